@@ -1,0 +1,56 @@
+// The one view that meshers, ray solvers and measurements have of a shape.
+#pragma once
+
+#include <array>
+#include <memory>
+#include <span>
+
+#include "libfield/base/aabb.h"
+#include "libfield/base/interval.h"
+#include "libfield/base/jet.h"
+
+namespace cs2mesh {
+
+/// A function F over space whose surface is {F = 0}; F >= 0 counts as inside, everywhere. Immutable
+/// and safe to use from any number of threads at once. Results depend on the point alone, not on
+/// the points it is evaluated with.
+///
+/// F is continuous and piecewise smooth (a Field may step by its error budget at the faces of its
+/// block lattice). Not promised: that F is a distance, or that its gradient vanishes nowhere.
+class ImplicitSurface {
+ public:
+  virtual ~ImplicitSurface() = default;
+
+  /// F at each point; `out` is as long as `points`.
+  virtual void values(std::span<const Vec3d> points, std::span<double> out) const = 0;
+  /// F and its gradient at each point. Values agree with those of values() to rounding.
+  virtual void jets(std::span<const Vec3d> points, std::span<Jet> out) const = 0;
+
+  /// Contains F(p) for every p in the box, rounding included.
+  virtual Interval enclose(const Aabb& box) const = 0;
+  /// Contains each component of the gradient for every p in the box; infinite where unknown.
+  virtual std::array<Interval, 3> enclose_gradient(const Aabb& box) const = 0;
+  /// An upper bound, over the box, of the operator norm of the derivative of that order (1 or 2);
+  /// infinite where there is none.
+  virtual double derivative_bound(int order, const Aabb& box) const = 0;
+
+  /// A box that contains all of {F >= 0}; infinite sides where the set is unbounded.
+  virtual Aabb bounds() const = 0;
+  /// The same function (to the bit) inside `box`, cheaper to evaluate there; undefined outside. It
+  /// keeps alive what it needs.
+  virtual std::unique_ptr<ImplicitSurface> restrict_to(const Aabb& box) const = 0;
+
+  // Conveniences for a single point.
+  double value(const Vec3d& p) const {
+    double out = 0;
+    values({&p, 1}, {&out, 1});
+    return out;
+  }
+  Jet jet(const Vec3d& p) const {
+    Jet out;
+    jets({&p, 1}, {&out, 1});
+    return out;
+  }
+};
+
+}  // namespace cs2mesh

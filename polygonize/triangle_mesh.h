@@ -1,0 +1,46 @@
+// Triangle meshes as they leave the mesher and enter the writers.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "libfield/base/vec.h"
+
+namespace cs2mesh {
+
+/// Indexed triangles, counter-clockwise seen from outside. Attributes are empty or one a vertex.
+struct TriangleMesh {
+  using Index = std::uint32_t;
+  std::vector<Vec3d> positions;
+  std::vector<std::array<Index, 3>> triangles;
+  std::vector<Vec3<float>> normals;  ///< unit, outward
+  std::vector<Vec3<float>> colors;   ///< linear RGB, 0..1
+
+  bool empty() const { return triangles.empty(); }
+};
+
+/// A mesh with the name of the part of the scene that it bounds.
+struct MeshPart {
+  std::string name;
+  TriangleMesh mesh;
+};
+
+/// What one output file holds: a closed mesh for each part.
+struct Model {
+  std::vector<MeshPart> parts;
+
+  std::size_t vertex_count() const {
+    std::size_t n = 0;
+    for (const MeshPart& part : parts) n += part.mesh.positions.size();
+    return n;
+  }
+  std::size_t triangle_count() const {
+    std::size_t n = 0;
+    for (const MeshPart& part : parts) n += part.mesh.triangles.size();
+    return n;
+  }
+};
+
+}  // namespace cs2mesh
