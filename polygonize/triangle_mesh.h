@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "libfield/base/aabb.h"
 #include "libfield/base/vec.h"
 
 namespace cs2mesh {
@@ -31,16 +32,15 @@ struct MeshPart {
 struct Model {
   std::vector<MeshPart> parts;
 
-  std::size_t vertex_count() const {
-    std::size_t n = 0;
-    for (const MeshPart& part : parts) n += part.mesh.positions.size();
-    return n;
-  }
-  std::size_t triangle_count() const {
-    std::size_t n = 0;
-    for (const MeshPart& part : parts) n += part.mesh.triangles.size();
-    return n;
-  }
+  std::size_t vertex_count() const;
+  std::size_t triangle_count() const;
 };
+
+Aabb bounds(const TriangleMesh& mesh);
+/// Half the cross product of two edges: the normal times the area.
+Vec3d area_vector(const TriangleMesh& mesh, std::size_t triangle);
+double area(const TriangleMesh& mesh);
+/// Enclosed volume of a closed mesh; negative when it is wound inwards.
+double volume(const TriangleMesh& mesh);
 
 }  // namespace cs2mesh

@@ -1,0 +1,46 @@
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+std::size_t Model::vertex_count() const {
+  std::size_t count = 0;
+  for (const MeshPart& part : parts) count += part.mesh.positions.size();
+  return count;
+}
+
+std::size_t Model::triangle_count() const {
+  std::size_t count = 0;
+  for (const MeshPart& part : parts) count += part.mesh.triangles.size();
+  return count;
+}
+
+Aabb bounds(const TriangleMesh& mesh) {
+  Aabb box;
+  for (const Vec3d& p : mesh.positions) box.include(p);
+  return box;
+}
+
+Vec3d area_vector(const TriangleMesh& mesh, std::size_t triangle) {
+  const auto& [a, b, c] = mesh.triangles[triangle];
+  const Vec3d& origin = mesh.positions[a];
+  return 0.5 * cross(mesh.positions[b] - origin, mesh.positions[c] - origin);
+}
+
+double area(const TriangleMesh& mesh) {
+  double sum = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) sum += norm(area_vector(mesh, i));
+  return sum;
+}
+
+double volume(const TriangleMesh& mesh) {
+  if (mesh.empty()) return 0;
+  // Tetrahedra from a vertex of the mesh: far from the origin, those from the origin would cancel.
+  const Vec3d apex = mesh.positions[mesh.triangles[0][0]];
+  double sum = 0;
+  for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
+    sum += dot(mesh.positions[mesh.triangles[i][0]] - apex, area_vector(mesh, i));
+  }
+  return sum / 3;
+}
+
+}  // namespace cs2mesh
