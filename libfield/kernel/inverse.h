@@ -1,0 +1,48 @@
+// The inverse kernel h(r) = A / r (Wyvill and van Overveld 1996; thesis equations 2.9 and 2.10).
+// Legend: u = r^2, K = dh/du. It is unbounded at r = 0: closer than `clamp` the value at that
+// distance is used and the gradient is 0. With clamp = 0 it is infinite at r = 0.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "libfield/kernel/envelope.h"
+#include "libfield/kernel/kind.h"
+
+namespace cs2mesh {
+
+struct Inverse {
+  static constexpr KernelKind kKind = KernelKind::inverse;
+  double amplitude = 1.0;
+  double clamp = 0.0;  ///< length
+
+  /// h as a function of the squared distance.
+  template <class T>
+  T profile(const T& u) const {
+    using std::sqrt;
+    const T least = T(clamp) * T(clamp);
+    const T v = u < least ? least : u;
+    return T(amplitude) / sqrt(v);
+  }
+  /// dh/du.
+  template <class T>
+  T slope(const T& u) const {
+    using std::sqrt;
+    if (u < T(clamp) * T(clamp)) return T(0);
+    return -T(amplitude) / (T(2) * u * sqrt(u));
+  }
+  /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
+  /// (0, 1, 2) of h over all distances >= r; non-increasing in r, infinite at 0 if clamp is 0.
+  double derivative_envelope(int order, double r) const {
+    const double d = std::max(r, clamp);
+    if (order == 0) return rounded_up(amplitude / d);
+    if (order == 1) return rounded_up(amplitude / (d * d));
+    return rounded_up(2.0 * amplitude / (d * d * d));  // along the ray; half of it across
+  }
+  /// Radius beyond which h is 0.
+  double support() const { return std::numeric_limits<double>::infinity(); }
+  /// The kernel has no length of its own.
+  double length_scale() const { return 0.0; }
+};
+
+}  // namespace cs2mesh

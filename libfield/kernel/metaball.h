@@ -1,0 +1,55 @@
+// The metaballs kernel (Nishimura et al. 1985; thesis equation 2.8) of support R, y = r / R:
+//   h = A [(3/2) (1 - y)_+^2 - (1/2) (1 - 3y)_+^2] = A (1 - 3 y^2) for y <= 1/3.
+// Legend: u = r^2, K = dh/du = -3 A / R^2 for y <= 1/3, else -(3/2) A (1/y - 1) / R^2.
+#pragma once
+
+#include <algorithm>
+
+#include "libfield/kernel/envelope.h"
+#include "libfield/kernel/kind.h"
+
+namespace cs2mesh {
+
+struct Metaball {
+  static constexpr KernelKind kKind = KernelKind::metaball;
+  double radius;  ///< R: h is 0 from there on
+  double amplitude = 1.0;
+
+  /// h as a function of the squared distance.
+  template <class T>
+  T profile(const T& u) const {
+    using std::sqrt;
+    const T y = sqrt(u) / T(radius);
+    if (y >= T(1)) return T(0);
+    if (T(3) * y <= T(1)) return T(amplitude) * (T(1) - T(3) * y * y);
+    return T(amplitude) * T(1.5) * (T(1) - y) * (T(1) - y);
+  }
+  /// dh/du.
+  template <class T>
+  T slope(const T& u) const {
+    using std::sqrt;
+    const T y = sqrt(u) / T(radius);
+    if (y >= T(1)) return T(0);
+    const T scale = T(amplitude) / (T(radius) * T(radius));
+    if (T(3) * y <= T(1)) return T(-3) * scale;
+    return T(-1.5) * scale * (T(1) - y) / y;
+  }
+  /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
+  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  double derivative_envelope(int order, double r) const {
+    if (r > radius) return 0.0;
+    const double y = std::max(r / radius, 1.0 / 3.0);
+    const double rest = std::max(0.0, 1.0 - y) + 4e-16;  // rounding near the edge, where h is tiny
+    if (order == 0 && 3.0 * r < radius) return rounded_up(profile(r * r));
+    if (order == 0) return rounded_up(1.5 * amplitude * rest * rest);
+    if (order == 1) return rounded_up(3.0 * amplitude * rest / radius);
+    // Hessian: 3 A (1/y - 1) / R^2 across the ray, 3 A / R^2 along it, -6 A / R^2 within R / 3.
+    return rounded_up(3.0 * amplitude * std::max(1.0, rest / y) / (radius * radius));
+  }
+  /// Radius beyond which h is 0.
+  double support() const { return radius; }
+  /// Distance over which h changes by its own size near its top.
+  double length_scale() const { return radius; }
+};
+
+}  // namespace cs2mesh
