@@ -1,0 +1,11 @@
+# Faster builds where the tools are there; only for this project built by itself.
+if(PROJECT_IS_TOP_LEVEL)
+  find_program(CS2MESH_CCACHE ccache)
+  if(CS2MESH_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+    set(CMAKE_CXX_COMPILER_LAUNCHER ${CS2MESH_CCACHE})
+  endif()
+  find_program(CS2MESH_MOLD mold)
+  if(CS2MESH_MOLD)
+    add_link_options(-fuse-ld=mold)
+  endif()
+endif()
