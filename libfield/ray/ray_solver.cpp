@@ -1,0 +1,446 @@
+// A bisection that stops as early as bounds allow. A piece [a, b] of the ray is settled by the
+// first of
+//   1. the enclosure of F over its box does not contain 0                       no root
+//   2. value and slope at both ends and |F''| <= M prove F monotone             0 or 1 root, by
+//   sign
+//   3. ... or of one sign throughout                                            no root
+//   4. it is shorter than the accuracy                                          uncertain
+// and divided otherwise. Where F has no bounded second derivative (a crease), the slopes' enclosure
+// takes the place of M. The certificates are those of certificate.h.
+#include "libfield/ray/ray_solver.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "libfield/base/check.h"
+#include "libfield/ray/certificate.h"
+
+namespace cs2mesh {
+namespace {
+
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// A place on the ray, evaluated or not.
+struct Node {
+  double t = 0.0;
+  EndJet f;
+  bool known = false;
+};
+
+bool is_inside(const Node& node) {
+  return node.f.value >= 0.0;
+}
+
+/// What bounds the slope on a piece: the second derivative, or else the slope itself.
+struct SlopeBound {
+  double M = kInfinity;
+  Interval slope = Interval::everything();
+
+  bool second_order() const { return std::isfinite(M); }
+};
+
+class Search {
+ public:
+  Search(const ImplicitSurface& surface, const Ray& ray, const RaySolverOptions& options,
+         RayCost& cost)
+      : surface_(surface), ray_(ray), options_(options), cost_(cost) {}
+
+  /// Appends what is found on [t0, t1]; stops after the first if `first_only`.
+  void run(double t0, double t1, bool first_only, std::vector<RayHit>& hits);
+
+ private:
+  struct Piece {
+    Node a, b;
+    double h() const { return b.t - a.t; }
+  };
+
+  bool prepare(double t0, double t1);
+  void settle(Piece piece);
+  void settle_from_ends(const Piece& piece, const SlopeBound& bound);
+  void add_hit(const Piece& bracket, const SlopeBound& bound);
+  void add_undecided(Piece piece);
+  void flush_undecided();
+  void divide(const Piece& piece, double t);
+  double place_to_divide(const Piece& piece, const SlopeBound& bound) const;
+
+  void evaluate(Node& node);
+  void evaluate_ends(Piece& piece);
+  Interval enclose(const Aabb& box);
+  SlopeBound bound_slope(const Aabb& box);
+  Aabb box_of(const Piece& piece) const;
+  RayHit polish(Piece bracket, const SlopeBound& bound);
+
+  /// A value this near to 0 has no certain sign.
+  double noise() const { return 64.0 * kEpsilon * scale_ + options_.value_error; }
+  /// How far the rounded position may be from the exact one.
+  double position_error(double t) const {
+    const Vec3d& o = ray_.origin;
+    return 4.0 * kEpsilon * (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + std::abs(t));
+  }
+  double shortest(double t) const { return std::max(accuracy_, 4.0 * position_error(t)); }
+  bool is_undecided(const Node& node) const { return std::abs(node.f.value) <= noise(); }
+  bool spent() const {
+    return cost_.jets + cost_.bounds - start_ >
+           static_cast<std::uint64_t>(options_.max_evaluations);
+  }
+
+  const ImplicitSurface& surface_;
+  const Ray& ray_;
+  const RaySolverOptions& options_;
+  RayCost& cost_;
+  std::uint64_t start_ = 0;
+  double t0_ = 0.0, t1_ = 0.0;  // the range after clipping
+  double accuracy_ = 0.0;
+  double scale_ = 0.0;  // largest |F| met
+
+  // Pieces still to be settled, the nearest on top. A division takes at least an eighth off, so
+  // that the depth is bounded by log(length / shortest) / log(8/7), less than 280 for doubles.
+  std::array<Piece, 288> stack_;
+  std::size_t depth_ = 0;
+
+  std::optional<Piece> undecided_;
+  std::vector<RayHit>* hits_ = nullptr;
+};
+
+void Search::evaluate(Node& node) {
+  if (node.known) return;
+  ++cost_.jets;
+  const Jet jet = surface_.jet(ray_.at(node.t));
+  node.f = {jet.value, dot(jet.gradient, ray_.direction)};
+  node.known = true;
+  if (std::isfinite(jet.value)) scale_ = std::max(scale_, std::abs(jet.value));
+}
+
+void Search::evaluate_ends(Piece& piece) {
+  evaluate(piece.a);
+  evaluate(piece.b);
+  if (depth_ == 0) return;
+  // The next piece starts where this one ends.
+  Piece& next = stack_[depth_ - 1];
+  if (is_undecided(piece.b)) {
+    // A division fell on a root: step back to where F has a sign, if that is near.
+    const double step = 8.0 * noise() / std::abs(piece.b.f.slope);
+    if (step < piece.h() / 16.0) {
+      Node moved;
+      moved.t = piece.b.t - std::max(step, shortest(piece.b.t) / 16.0);
+      evaluate(moved);
+      piece.b = moved;
+    }
+  }
+  next.a = piece.b;
+}
+
+Aabb Search::box_of(const Piece& piece) const {
+  Aabb box;
+  box.include(ray_.at(piece.a.t));
+  box.include(ray_.at(piece.b.t));
+  return box.grown(position_error(std::max(std::abs(piece.a.t), std::abs(piece.b.t))));
+}
+
+Interval Search::enclose(const Aabb& box) {
+  ++cost_.bounds;
+  return surface_.enclose(box);
+}
+
+SlopeBound Search::bound_slope(const Aabb& box) {
+  SlopeBound bound;
+  ++cost_.bounds;
+  bound.M = surface_.derivative_bound(2, box);
+  if (bound.second_order()) return bound;
+  bound.M = kInfinity;
+
+  ++cost_.bounds;
+  const std::array<Interval, 3> gradient = surface_.enclose_gradient(box);
+  bound.slope = Interval(ray_.direction.x) * gradient[0] +
+                Interval(ray_.direction.y) * gradient[1] + Interval(ray_.direction.z) * gradient[2];
+  ++cost_.bounds;
+  const double lipschitz = surface_.derivative_bound(1, box);
+  if (lipschitz >= 0.0) {
+    bound.slope = {std::max(bound.slope.lo, -lipschitz), std::min(bound.slope.hi, lipschitz)};
+  }
+  if (!(bound.slope.lo <= bound.slope.hi)) bound.slope = Interval::everything();
+  return bound;
+}
+
+/// True if jets at the ends could prove nothing, whatever they are, |F| being at most `most`: then
+/// a division without them is cheaper. With |F''| <= M, a proof of one sign needs |F| > M h^2 / 16
+/// at an end, and so does a proof of monotony.
+bool jets_are_useless(const SlopeBound& bound, double h, double most) {
+  if (bound.second_order()) return bound.M * h * h / 16.0 >= most;
+  const Interval& s = bound.slope;
+  if (s.lo >= 0.0 || s.hi <= 0.0) return false;
+  if (!std::isfinite(s.lo) || !std::isfinite(s.hi)) return true;
+  return -s.lo * s.hi / (s.hi - s.lo) * h >= most;
+}
+
+void Search::settle(Piece piece) {
+  if (spent() || depth_ + 2 > stack_.size()) {
+    add_undecided(piece);
+    return;
+  }
+  const Aabb box = box_of(piece);
+  const Interval range = enclose(box);
+  if (range.lo > options_.value_error || range.hi < -options_.value_error) {
+    flush_undecided();
+    return;
+  }
+  const double middle = 0.5 * (piece.a.t + piece.b.t);
+  if (piece.h() <= shortest(middle)) {
+    add_undecided(piece);
+    return;
+  }
+  const SlopeBound bound = bound_slope(box);
+  if (!(piece.a.known && piece.b.known) &&
+      jets_are_useless(bound, piece.h(), std::max(std::abs(range.lo), std::abs(range.hi)))) {
+    divide(piece, middle);
+    return;
+  }
+  evaluate_ends(piece);
+  settle_from_ends(piece, bound);
+}
+
+void Search::settle_from_ends(const Piece& piece, const SlopeBound& bound) {
+  const double h = piece.h();
+  const EndJet& a = piece.a.f;
+  const EndJet& b = piece.b.f;
+  const bool undecided_a = piece.a.t > t0_ && is_undecided(piece.a);
+  const bool undecided_b = piece.b.t < t1_ && is_undecided(piece.b);
+  const double sag = bound.second_order() ? bound.M * h * h / 8.0 : bound.slope.magnitude() * h;
+  if (undecided_a && undecided_b && sag <= noise()) {
+    // All of F here is rounding; smaller pieces would tell no more.
+    add_undecided(piece);
+    return;
+  }
+  const bool monotone = bound.second_order() ? is_monotone(a.slope, b.slope, h, bound.M)
+                                             : bound.slope.lo > 0.0 || bound.slope.hi < 0.0;
+  if (monotone && !undecided_a && !undecided_b) {
+    flush_undecided();
+    if (is_inside(piece.a) != is_inside(piece.b)) add_hit(piece, bound);
+    return;
+  }
+  if (monotone) {
+    // Only near an end without a sign can there be doubt.
+    divide(piece, piece.a.t + (!undecided_a ? 0.875 : !undecided_b ? 0.125 : 0.5) * h);
+    return;
+  }
+  if (is_inside(piece.a) == is_inside(piece.b)) {
+    const double sign = is_inside(piece.a) ? 1.0 : -1.0;
+    const EndJet ua{sign * a.value, sign * a.slope};
+    const EndJet ub{sign * b.value, sign * b.slope};
+    const Interval slope = sign > 0.0 ? bound.slope : -bound.slope;
+    const double least =
+        bound.second_order() ? least_value(ua, ub, h, bound.M) : least_value(ua, ub, h, slope);
+    if (least > noise()) {
+      flush_undecided();
+      return;
+    }
+  }
+  divide(piece, place_to_divide(piece, bound));
+}
+
+/// Where the cubic through both jets has its minimum, as a distance from a; NaN if nowhere inside.
+double cubic_minimum(const EndJet& a, const EndJet& b, double h) {
+  // p'(x h) / 3 = c0 + c1 x + c2 x^2, from the Bernstein coefficients of p'.
+  const double middle = 3.0 * (b.value - a.value) / h - (a.slope + b.slope);
+  const double c0 = a.slope;
+  const double c1 = 2.0 * (middle - a.slope);
+  const double c2 = a.slope - 2.0 * middle + b.slope;
+  const double discriminant = c1 * c1 - 4.0 * c0 * c2;
+  if (!(discriminant >= 0.0)) return std::numeric_limits<double>::quiet_NaN();
+  // The root where p' rises, in the form that does not cancel.
+  const double s = std::sqrt(discriminant);
+  const double x = c1 >= 0.0 ? -2.0 * c0 / (c1 + s) : (s - c1) / (2.0 * c2);
+  return x > 0.0 && x < 1.0 ? x * h : std::numeric_limits<double>::quiet_NaN();
+}
+
+double Search::place_to_divide(const Piece& piece, const SlopeBound& bound) const {
+  const double h = piece.h();
+  const double sign_a = is_inside(piece.a) ? 1.0 : -1.0;
+  const double sign_b = is_inside(piece.b) ? 1.0 : -1.0;
+  const EndJet ua{sign_a * piece.a.f.value, sign_a * piece.a.f.slope};
+  const EndJet ub{sign_b * piece.b.f.value, sign_b * piece.b.f.slope};
+  double lo = 0.0;
+  double hi = h;
+  // Leave out what each end alone excludes.
+  if (bound.second_order()) {
+    lo = certain_reach(ua, noise(), bound.M);
+    hi = h - certain_reach({ub.value, -ub.slope}, noise(), bound.M);
+  }
+  double x = lo < hi ? 0.5 * (lo + hi) : 0.5 * h;
+  if (sign_a == sign_b) {
+    // A dip towards 0 is decided at its bottom.
+    const double bottom = cubic_minimum(ua, ub, h);
+    if (bottom > lo && bottom < hi) x = bottom;
+  }
+  if (!std::isfinite(x)) x = 0.5 * h;
+  return piece.a.t + std::clamp(x, h / 8.0, 7.0 * h / 8.0);
+}
+
+void Search::divide(const Piece& piece, double t) {
+  Node middle;
+  middle.t = t;
+  stack_[depth_++] = {middle, piece.b};
+  stack_[depth_++] = {piece.a, middle};
+}
+
+/// The argument at which the function with jets at x and y takes the value 0, by inverse cubic
+/// interpolation; NaN where that has no meaning.
+double inverse_cubic_root(const Node& x, const Node& y) {
+  const double d = y.f.value - x.f.value;
+  const double s = -x.f.value / d;  // where 0 lies between the values
+  const double r = 1.0 - s;
+  return r * r * (1.0 + 2.0 * s) * x.t + s * s * (1.0 + 2.0 * r) * y.t +
+         s * r * d * (r / x.f.slope - s / y.f.slope);
+}
+
+RayHit Search::polish(Piece bracket, const SlopeBound& bound) {
+  RayHit hit{0.5 * (bracket.a.t + bracket.b.t), 0.5 * bracket.h(), RayStatus::hit,
+             is_inside(bracket.b)};
+  Node last = bracket.a;
+  Node best = bracket.b;
+  if (std::abs(last.f.value) < std::abs(best.f.value)) std::swap(last, best);
+  const auto slope_floor = [&] {
+    return bound.second_order()
+               ? least_slope(bracket.a.f.slope, bracket.b.f.slope, bracket.h(), bound.M)
+               : std::max(bound.slope.lo, -bound.slope.hi);
+  };
+  for (int step = 0; step < 200 && !spent(); ++step) {
+    // How far the root can be from the best node: |t - t*| <= (|F| + noise) / least |F'|.
+    const double goal = shortest(best.t);
+    const double residual = std::abs(best.f.value) + noise();
+    double sigma = slope_floor();
+    double error = std::min(bracket.h(), residual / sigma);
+    if (bound.second_order()) {
+      sigma = std::max(sigma, std::abs(best.f.slope) - bound.M * error);
+      error = std::min(error, residual / sigma);
+    }
+    if (error < hit.t_error) hit = {best.t, error, RayStatus::hit, hit.entering};
+    // A Newton step without another evaluation is off by M error^2 / 2 |F'| at most.
+    if (bound.second_order() && best.f.slope != 0.0) {
+      const double after =
+          (0.5 * bound.M * error * error + noise() + 1e-12 * residual) / std::abs(best.f.slope);
+      if (after < hit.t_error) {
+        const double t = best.t - best.f.value / best.f.slope;
+        hit = {std::clamp(t, bracket.a.t, bracket.b.t), after, RayStatus::hit, hit.entering};
+      }
+    }
+    if (hit.t_error <= goal || std::abs(best.f.value) <= noise() || bracket.h() <= goal) break;
+
+    // The next place: inverse interpolation, else Newton, else the middle; and the middle in every
+    // other step once convergence is slow, so that 200 steps are always enough.
+    const auto strictly_inside = [&](double t) { return t > bracket.a.t && t < bracket.b.t; };
+    Node next;
+    next.t = inverse_cubic_root(last, best);
+    if (!strictly_inside(next.t)) next.t = best.t - best.f.value / best.f.slope;
+    if (!strictly_inside(next.t) || (step >= 6 && step % 2 == 0)) {
+      next.t = 0.5 * (bracket.a.t + bracket.b.t);
+    }
+    if (!strictly_inside(next.t)) break;
+    evaluate(next);
+    (is_inside(next) == is_inside(bracket.a) ? bracket.a : bracket.b) = next;
+    last = best;
+    best = next;
+    if (std::abs(last.f.value) < std::abs(best.f.value)) std::swap(last, best);
+  }
+  return hit;
+}
+
+void Search::add_hit(const Piece& bracket, const SlopeBound& bound) {
+  RayHit hit = polish(bracket, bound);
+  hit.t_error += position_error(hit.t);
+  hits_->push_back(hit);
+}
+
+void Search::add_undecided(Piece piece) {
+  if (undecided_ && undecided_->b.t == piece.a.t) {
+    undecided_->b = piece.b;
+  } else {
+    flush_undecided();
+    undecided_ = piece;
+  }
+}
+
+/// Reports the undecided stretch so far: as a hit if F has opposite certain signs at its ends and
+/// it is as short as the accuracy, else as uncertain.
+void Search::flush_undecided() {
+  if (!undecided_) return;
+  Piece piece = *undecided_;
+  undecided_.reset();
+  evaluate(piece.a);
+  evaluate(piece.b);
+  const double t = 0.5 * (piece.a.t + piece.b.t);
+  const bool crosses =
+      is_inside(piece.a) != is_inside(piece.b) && !is_undecided(piece.a) && !is_undecided(piece.b);
+  RayHit hit{t, 0.5 * piece.h() + position_error(t), RayStatus::uncertain, false};
+  if (crosses && !spent()) {
+    hit.status = RayStatus::hit;
+    hit.entering = is_inside(piece.b);
+  }
+  hits_->push_back(hit);
+}
+
+/// Clips the range to the surface's bounds and sets accuracy and scale. False if nothing is left.
+bool Search::prepare(double t0, double t1) {
+  const Aabb bounds = surface_.bounds();
+  if (bounds.empty()) return false;
+  // The surface may touch its bounds: the ray must start and end clearly outside.
+  const double margin = bounds.finite() ? 1e-6 * bounds.diagonal() : 0.0;
+  const RayRange range = clip(ray_, bounds.grown(margin), {t0, t1});
+  if (range.empty()) return false;
+  t0_ = range.t0;
+  t1_ = range.t1;
+  const double length = bounds.finite() ? bounds.diagonal() : t1_ - t0_;
+  accuracy_ = options_.accuracy > 0.0 ? options_.accuracy : 1e-10 * length;
+  return true;
+}
+
+void Search::run(double t0, double t1, bool first_only, std::vector<RayHit>& hits) {
+  hits_ = &hits;
+  start_ = cost_.jets + cost_.bounds;
+  if (!prepare(t0, t1)) return;
+  if (!std::isfinite(t0_) || !std::isfinite(t1_)) {
+    hits.push_back({std::isfinite(t0_) ? t0_ : 0.0, kInfinity, RayStatus::uncertain, false});
+    return;
+  }
+  Piece whole;
+  whole.a.t = t0_;
+  whole.b.t = t1_;
+  const Interval range = enclose(box_of(whole));
+  if (range.lo > options_.value_error || range.hi < -options_.value_error) return;
+  if (std::isfinite(range.lo)) scale_ = std::abs(range.lo);
+
+  stack_[depth_++] = whole;
+  while (depth_ > 0 && !(first_only && !hits.empty())) settle(stack_[--depth_]);
+  if (!(first_only && !hits.empty())) flush_undecided();
+}
+
+void check_arguments(const Ray& ray, double t0, double t1) {
+  require(std::abs(squared_norm(ray.direction) - 1.0) < 1e-9, "a ray's direction has length 1");
+  require(is_finite(ray.origin), "a ray's origin is finite");
+  require(!std::isnan(t0) && !std::isnan(t1), "a ray's range is no NaN");
+}
+
+}  // namespace
+
+RayHit first_hit(const ImplicitSurface& surface, const Ray& ray, double t0, double t1,
+                 const RaySolverOptions& options, RayCost* cost) {
+  check_arguments(ray, t0, t1);
+  RayCost own;
+  std::vector<RayHit> hits;
+  Search(surface, ray, options, cost ? *cost : own).run(t0, t1, true, hits);
+  return hits.empty() ? RayHit{t1, 0.0, RayStatus::miss, false} : hits.front();
+}
+
+void all_hits(const ImplicitSurface& surface, const Ray& ray, double t0, double t1,
+              const RaySolverOptions& options, std::vector<RayHit>& hits, RayCost* cost) {
+  check_arguments(ray, t0, t1);
+  RayCost own;
+  hits.clear();
+  Search(surface, ray, options, cost ? *cost : own).run(t0, t1, false, hits);
+}
+
+}  // namespace cs2mesh
