@@ -1,0 +1,147 @@
+#include "libfield/profile/profile.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cs2mesh {
+
+std::optional<ProfileFunction> profile_function_of(std::string_view name) {
+  for (std::size_t i = 0; i < kProfileNames.size(); ++i) {
+    if (kProfileNames[i] == name) return static_cast<ProfileFunction>(i);
+  }
+  return std::nullopt;
+}
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+struct Derived {
+  double value, slope;
+};
+
+// sin and cos of pi x, reduced first: x may be large, its fraction is exact.
+Derived sin_pi(double x) {
+  const double t = std::remainder(x, 2.0);
+  return {std::sin(kPi * t), kPi * std::cos(kPi * t)};
+}
+Derived cos_pi(double x) {
+  const double t = std::remainder(x, 2.0);
+  return {std::cos(kPi * t), -kPi * std::sin(kPi * t)};
+}
+
+Derived evaluate(ProfileFunction function, double x) {
+  const double part = x - std::floor(x);
+  switch (function) {
+    case ProfileFunction::one:
+      return {1.0, 0.0};
+    case ProfileFunction::x:
+      return {x, 1.0};
+    case ProfileFunction::saw:
+      return {part, 1.0};
+    case ProfileFunction::hat:
+      return {1.0 - std::abs(2.0 * part - 1.0), part < 0.5 ? 2.0 : -2.0};
+    case ProfileFunction::step:
+      return {part < 0.5 ? 0.0 : 1.0, 0.0};
+    case ProfileFunction::sin:
+      return sin_pi(x);
+    case ProfileFunction::cos:
+      return cos_pi(x);
+    case ProfileFunction::sin_squared: {
+      const Derived s = sin_pi(x);
+      return {s.value * s.value, 2.0 * s.value * s.slope};
+    }
+    case ProfileFunction::cos_squared: {
+      const Derived c = cos_pi(x);
+      return {c.value * c.value, 2.0 * c.value * c.slope};
+    }
+  }
+  return {1.0, 0.0};
+}
+
+// Whether some offset + k * period, k an integer, lies in x, or within rounding of it.
+bool meets(const Interval& x, double offset, double period) {
+  const double slack = 1e-14 * (1.0 + x.magnitude());
+  const double first = std::ceil((x.lo - slack - offset) / period);
+  return offset + first * period <= x.hi + slack;
+}
+
+// All values of a function.
+Interval range_of(ProfileFunction function) {
+  switch (function) {
+    case ProfileFunction::one:
+      return 1.0;
+    case ProfileFunction::x:
+      return Interval::everything();
+    case ProfileFunction::sin:
+    case ProfileFunction::cos:
+      return {-1.0, 1.0};
+    default:
+      return {0.0, 1.0};
+  }
+}
+
+// The hull of the values at the ends and of those the function takes or approaches between.
+Interval enclose(ProfileFunction function, const Interval& x) {
+  if (!std::isfinite(x.lo) || !std::isfinite(x.hi)) return range_of(function);
+  Interval range = hull(evaluate(function, x.lo).value, evaluate(function, x.hi).value);
+  const auto include_at = [&](double offset, double period, double value) {
+    if (meets(x, offset, period)) range = hull(range, value);
+  };
+  switch (function) {
+    case ProfileFunction::one:
+    case ProfileFunction::x:
+      return range;
+    case ProfileFunction::saw:
+      if (meets(x, 0.0, 1.0)) return {0.0, 1.0};
+      break;
+    case ProfileFunction::step:
+      if (meets(x, 0.0, 0.5)) return {0.0, 1.0};
+      break;
+    case ProfileFunction::hat:
+    case ProfileFunction::sin_squared:
+      include_at(0.0, 1.0, 0.0);
+      include_at(0.5, 1.0, 1.0);
+      break;
+    case ProfileFunction::cos_squared:
+      include_at(0.0, 1.0, 1.0);
+      include_at(0.5, 1.0, 0.0);
+      break;
+    case ProfileFunction::sin:
+      include_at(0.5, 2.0, 1.0);
+      include_at(-0.5, 2.0, -1.0);
+      break;
+    case ProfileFunction::cos:
+      include_at(0.0, 2.0, 1.0);
+      include_at(1.0, 2.0, -1.0);
+      break;
+  }
+  return widened(range, 1e-14 * (1.0 + x.magnitude()));
+}
+
+}  // namespace
+
+ProfileValue evaluate(const StrengthProfile& profile, double u, double v) {
+  const Derived fu = evaluate(profile.along_u, profile.scale_u * u + profile.translate_u);
+  const Derived fv = evaluate(profile.along_v, profile.scale_v * v + profile.translate_v);
+  const double w = profile.times * fu.value * fv.value;
+  if (w < profile.lower) return {profile.lower, 0.0, 0.0};
+  if (w > profile.upper) return {profile.upper, 0.0, 0.0};
+  return {w, profile.times * profile.scale_u * fu.slope * fv.value,
+          profile.times * profile.scale_v * fu.value * fv.slope};
+}
+
+Interval enclose(const StrengthProfile& profile, const Interval& u, const Interval& v) {
+  const Interval x = Interval(profile.scale_u) * u + Interval(profile.translate_u);
+  const Interval y = Interval(profile.scale_v) * v + Interval(profile.translate_v);
+  const Interval product =
+      Interval(profile.times) * enclose(profile.along_u, x) * enclose(profile.along_v, y);
+  // The order of the two clamps is that of evaluate, should lower exceed upper.
+  const auto clamp = [&](double w) {
+    return w < profile.lower ? profile.lower : std::min(w, profile.upper);
+  };
+  return hull(clamp(product.lo), clamp(product.hi));
+}
+
+}  // namespace cs2mesh
