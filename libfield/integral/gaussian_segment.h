@@ -1,0 +1,146 @@
+// The Gaussian kernel over a segment:
+//     f(p) = int_t1^t2 exp(log A - a^2 (c^2 + t^2)) dt,
+//     grad f = -2 a^2 f perp + (h(r1) - h(r2)) axis.
+//
+// Legend: t the abscissa along the segment counted from the foot of p on its line, t1 and t2 its
+// ends, L its length; c the distance from p to the line, perp the vector from the line to p;
+// n and g the nearer and the farther of |t1|, |t2|; delta = a^2 (g^2 - n^2).
+//
+//  - Foot on the segment: sqrt(pi) / (2a) exp(log A - a^2 c^2) (erf(a g) + erf(a n)).
+//  - Foot outside: the difference of erf loses all digits; with erfcx it is
+//        sqrt(pi) / (2a) exp(log A - a^2 (c^2 + n^2)) (erfcx(a n) - exp(-delta) erfcx(a g)),
+//    good down to delta = 0.35, below which the integrand is so flat that eight Gauss-Legendre
+//    nodes give it to the last bit (then a L <= 0.6, relative error 4e-18).
+// One exponent holds the amplitude and the distance, cut off at Gaussian::kGreatestExponent, so
+// stiff kernels do not overflow. Value and gradient are within a few ulp of the exact result for
+// inputs moved by a few ulp. Finite for every finite p.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "libfield/base/jet.h"
+#include "libfield/integral/frames.h"
+#include "libfield/integral/special.h"
+#include "libfield/kernel/gaussian.h"
+
+namespace cs2mesh {
+namespace detail {
+
+inline constexpr double kFlatDelta = 0.35;
+
+/// int_0^1 exp(-(b x + q x^2)) dx for b, q >= 0 with b + q <= kFlatDelta.
+inline double flat_gaussian(double b, double q) {
+  constexpr const UnitRule<8>& rule = kUnitRule<8>;
+  std::array<double, 8> y, e;
+  for (std::size_t i = 0; i < 8; ++i) {
+    y[i] = -(b + q * rule.node[i]) * rule.node[i];
+    e[i] = 1.0 / 6227020800.0;
+  }
+  // Taylor to degree 13: the next term is below 5e-18.
+  constexpr std::array<double, 13> kInverseFactorial = {1.0 / 479001600.0,
+                                                        1.0 / 39916800.0,
+                                                        1.0 / 3628800.0,
+                                                        1.0 / 362880.0,
+                                                        1.0 / 40320.0,
+                                                        1.0 / 5040.0,
+                                                        1.0 / 720.0,
+                                                        1.0 / 120.0,
+                                                        1.0 / 24.0,
+                                                        1.0 / 6.0,
+                                                        0.5,
+                                                        1.0,
+                                                        1.0};
+  for (const double c : kInverseFactorial) {
+    for (std::size_t i = 0; i < 8; ++i) e[i] = e[i] * y[i] + c;
+  }
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) sum += rule.weight[i] * (e[i] + e[7 - i]);
+  return sum;
+}
+
+/// exp, with the exponent cut off.
+template <class T>
+T bounded_exp(const T& exponent) {
+  using std::exp;
+  const T greatest(Gaussian::kGreatestExponent);
+  return exp(exponent < greatest ? exponent : greatest);
+}
+
+/// erf(x1) + erf(x2) etc. as int_near^far exp(-t^2) dt * 2 / sqrt(pi), wide types only.
+template <class T>
+T erf_between(const T& t1, const T& t2) {
+  using std::erf;
+  using std::erfc;
+  if (t1 > T(0)) return erfc(t1) - erfc(t2);
+  if (t2 < T(0)) return erfc(T(-t2)) - erfc(T(-t1));
+  return erf(t2) - erf(t1);
+}
+
+/// The integral over t1 <= t <= t2 = t1 + length at squared distance c2, and h(r1) - h(r2).
+template <class T>
+struct GaussianLine {
+  T value{}, drop{};
+};
+
+template <class T>
+GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1, const T& t2, const T& length,
+                              const T& c2) {
+  using std::abs;
+  using std::expm1;
+  using std::sqrt;
+  const T a(kernel.a);
+  const T a2 = a * a;
+  const T sum = t1 + t2;
+  const T near = std::min(abs(t1), abs(t2));
+  const T delta = a2 * (length * abs(sum));
+  const T across = T(kernel.log_amplitude) - a2 * c2;
+  const T fall = -expm1(T(-delta));
+  const T at_near = bounded_exp(T(across - a2 * (near * near)));
+  GaussianLine<T> out;
+  out.drop = sum < T(0) ? T(-(at_near * fall)) : T(at_near * fall);
+  if constexpr (!kIsDouble<T>) {
+    using std::acos;
+    const T pi = acos(T(-1));
+    out.value = sqrt(pi) / (T(2) * a) * bounded_exp(across) * erf_between(T(a * t1), T(a * t2));
+  } else {
+    constexpr double kHalfRootPi = 0.5 / std::numbers::inv_sqrtpi;
+    const double far = std::max(std::abs(t1), std::abs(t2));
+    if ((t1 > 0.0) != (t2 > 0.0)) {
+      out.value = kHalfRootPi / a * bounded_exp(across) * (std::erf(a * near) + std::erf(a * far));
+    } else if (delta > kFlatDelta) {
+      out.value = kHalfRootPi / a * at_near * (erfcx(a * near) - (1.0 - fall) * erfcx(a * far));
+    } else {
+      const double b = 2.0 * a2 * (near * length);
+      out.value = length * at_near * flat_gaussian(b, a2 * (length * length));
+    }
+  }
+  return out;
+}
+
+}  // namespace detail
+
+/// Value and gradient; see the head of this file.
+template <class T>
+JetOf<T> integral(const Gaussian& kernel, const SegmentFrame<T>& segment, const Vec3<T>& point) {
+  using std::abs;
+  const Vec3<T> da = point - segment.a;
+  const Vec3<T> db = point - segment.b;
+  if (!(squared_norm(da) < T(kFarSquared))) return {};
+  const T t1 = -dot(da, segment.axis);
+  const T t2 = -dot(db, segment.axis);
+  // From the nearer end: its difference carries the smaller rounding error.
+  const Vec3<T> perp = abs(t1) < abs(t2) ? da + t1 * segment.axis : db + t2 * segment.axis;
+  const T a(kernel.a);
+  const detail::GaussianLine<T> line =
+      detail::gaussian_line(kernel, t1, t2, segment.length, squared_norm(perp));
+  return {line.value, (T(-2) * (a * a) * line.value) * perp + line.drop * segment.axis};
+}
+
+template <class T>
+JetOf<T> integral(const Gaussian& kernel, const Segment& segment, const Vec3<T>& point) {
+  return integral(kernel, SegmentFrame<T>(segment), point);
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,83 @@
+#!/usr/bin/env python3
+"""Writes the number tables of libfield/integral, computed in 60 digits and rounded once:
+
+    tests/oracle/integral_tables.py libfield/integral
+
+gauss_legendre_table.inc  nodes and weights of Gauss-Legendre rules of even order on [-1, 1];
+erfcx_table.inc           powers of t of (1 + 2x) erfcx(x), t = (x - 3) / (x + 3), x >= 0;
+cauchy_tail_table.inc     powers of z of the integral of u^4 / (1 + y u^2)^3 over u in [0, 1],
+                          y = 0.245 (1 + z) in [0, 0.49].
+"""
+import sys
+
+from mpmath import (cos, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad, sqrt)
+
+mp.dps = 60
+HEAD = "// Written by tests/oracle/integral_tables.py.\n"
+
+
+def literal(x):
+    return nstr(x, 20, min_fixed=0, max_fixed=0)
+
+
+def chebyshev_coefficients(f, degree):
+    n = degree + 1
+    angle = [pi * (k + mpf(1) / 2) / n for k in range(n)]
+    values = [f(cos(a)) for a in angle]
+    c = [2 * sum(v * cos(j * a) for v, a in zip(values, angle)) / n for j in range(n)]
+    c[0] /= 2
+    return c
+
+
+def powers(chebyshev):
+    """The same polynomial by powers: T_(j+1) = 2 t T_j - T_(j-1)."""
+    n = len(chebyshev)
+    previous, current = [mpf(1)] + [mpf(0)] * (n - 1), [mpf(0), mpf(1)] + [mpf(0)] * (n - 2)
+    total = [chebyshev[0] * p for p in previous]
+    for c in chebyshev[1:]:
+        total = [t + c * p for t, p in zip(total, current)]
+        shifted = [mpf(0)] + current[:-1]
+        previous, current = current, [2 * s - p for s, p in zip(shifted, previous)]
+    return total
+
+
+def erfcx(x):
+    if x < 20:
+        return exp(x * x) * erfc(x)
+    return sum((-1) ** k * fac2(2 * k - 1) / (2 * x * x) ** k for k in range(30)) / (x * sqrt(pi))
+
+
+def legendre_rule(n):
+    slope = lambda x: n * (legendre(n - 1, x) - x * legendre(n, x)) / (1 - x * x)
+    nodes = [findroot(lambda x: legendre(n, x), cos(pi * (k + mpf(3) / 4) / (n + mpf(1) / 2)),
+                      solver="newton", df=slope)
+             for k in range(n // 2)]
+    rule = []
+    for x in sorted(nodes):
+        rule.append((x, 2 / ((1 - x * x) * slope(x) ** 2)))
+    return rule
+
+
+def write_list(path, numbers):
+    with open(path, "w") as out:
+        out.write(HEAD)
+        out.write(",\n".join(literal(x) for x in numbers) + ",\n")
+
+
+def main(folder):
+    with open(f"{folder}/gauss_legendre_table.inc", "w") as out:
+        out.write(HEAD)
+        for n in (4, 8, 14, 16, 20):
+            rule = legendre_rule(n)
+            out.write(f"template <>\ninline constexpr GaussLegendreRule<{n}> kGaussLegendre<{n}> = {{\n")
+            out.write("    {" + ",\n     ".join(literal(x) for x, _ in rule) + "},\n")
+            out.write("    {" + ",\n     ".join(literal(w) for _, w in rule) + "}};\n")
+    scaled = lambda t: (lambda x: (1 + 2 * x) * erfcx(x))(3 * (1 + t) / (1 - t))
+    write_list(f"{folder}/erfcx_table.inc", powers(chebyshev_coefficients(scaled, 25)))
+    y_max = mpf("0.49")
+    tail = lambda z: quad(lambda u: u**4 / (1 + y_max * (1 + z) / 2 * u * u) ** 3, [0, 0.5, 1])
+    write_list(f"{folder}/cauchy_tail_table.inc", powers(chebyshev_coefficients(tail, 17)))
+
+
+if __name__ == "__main__":
+    main(sys.argv[1])
