@@ -1,0 +1,76 @@
+"""Cowrie and seahorse at the default tolerance, and every scene in data/scenes."""
+
+import pathlib
+import shutil
+import subprocess
+
+from harness import SCENES, SOURCE, SceneTest, glb_json, main
+
+VALIDATOR = SOURCE / "build" / "gltf-validator" / "node_modules" / "gltf-validator"
+VALIDATE = """
+const validator = require(process.argv[1]);
+const bytes = new Uint8Array(require('fs').readFileSync(process.argv[2]));
+validator.validateBytes(bytes).then(report => {
+  const found = report.issues.numErrors + report.issues.numWarnings;
+  if (found) console.log(JSON.stringify(report.issues, null, 1));
+  process.exit(found ? 1 : 0);
+}, error => { console.log(error); process.exit(2); });
+"""
+
+
+class Thesis(SceneTest):
+    def mesh_and_measure(self, name, parts):
+        scene = SCENES / name
+        report = self.report(scene, "out.obj", "out.glb")
+        self.assertIs(report["closed"] and report["manifold"], True)
+        self.assertEqual(report["self_intersections"], 0)
+        self.assertEqual(len(report["parts"]), parts)
+        for output in ("out.obj", "out.glb"):
+            error = self.report("compare", scene, output, "--samples", 100000)["error"]
+            self.assertLessEqual(error["mesh_to_surface_max"], report["tolerance"], output)
+            self.assertLessEqual(error["surface_to_mesh_max"], report["tolerance"], output)
+        return report
+
+    def test_cowrie(self):
+        self.mesh_and_measure("cowrie.art", 1)
+
+    def test_seahorse(self):
+        report = self.mesh_and_measure("seahorse.art", 3)
+        self.assertEqual(report["components"], 3)
+        for threads in (1, 2):
+            self.succeed(SCENES / "seahorse.art", f"{threads}.glb", "--threads", threads)
+        self.assertEqual(
+            (self.folder / "1.glb").read_bytes(), (self.folder / "2.glb").read_bytes()
+        )
+        self.assertEqual(len(glb_json(self.folder / "1.glb")["meshes"]), 3)
+
+    def test_glb_is_clean_in_the_khronos_validator(self):
+        """Runs where node and the validator are set up, as .ci/run does."""
+        self.succeed(SCENES / "seahorse.art", "horse.glb", "--tolerance", "0.5%")
+        if VALIDATOR.is_dir() and shutil.which("node"):
+            done = subprocess.run(
+                ["node", "-e", VALIDATE, VALIDATOR, self.folder / "horse.glb"],
+                capture_output=True,
+                text=True,
+                timeout=300,
+            )
+            self.assertEqual(done.returncode, 0, done.stdout + done.stderr)
+
+
+class SmallScenes(SceneTest):
+    def test_every_scene_is_meshed(self):
+        scenes = sorted(SCENES.glob("*.art"))
+        self.assertTrue(scenes)
+        for scene in scenes:
+            if scene.stem in ("cowrie", "seahorse"):
+                continue
+            with self.subTest(scene.name):
+                report = self.report(scene, "out.glb", "--tolerance", "0.5%")
+                self.assertIs(report["closed"] and report["manifold"], True)
+                self.assertEqual(report["self_intersections"], 0)
+                self.assertGreater(report["volume"], 0)
+                pathlib.Path(self.folder / "out.glb").unlink()
+
+
+if __name__ == "__main__":
+    main()
