@@ -1,0 +1,139 @@
+// Upper bounds of a field and its derivatives at every point that is at least a given distance d
+// away from the primitive. A derivative of the field is the integral of that of the kernel, whose
+// norm at distance r is at most env(r), the kernel's non-increasing derivative envelope. So the
+// bound is the integral of env over the primitive in the arrangement that brings the most of it
+// near p, from above by the sum over panels of env at a panel's near end:
+//  - Segment: its foot is at its middle, element t is at sqrt(d^2 + t^2).
+//  - Triangle of area A: among all flat sets of that area the disk about the foot is worst; also
+//    its height times the bound of its longest edge, better for slivers.
+//  - Arc of radius c: with rho the distance of p from the circle's axis, element phi is at squared
+//    distance u(phi) = u(0) + 4 c rho sin^2(phi / 2). For rho >= c/2 that is at least
+//    d^2 + 2 c^2 sin^2(phi / 2) in the worst arrangement, the arc's middle nearest to p (the levels
+//    of sin^2 are shorter anywhere else); for rho < c/2 all of the arc is at least c/2 away.
+//  - Plane: greatest values of its closed form.
+// Non-increasing in d up to 1e-12 of the bound. About 50 to 300 ns.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <type_traits>
+
+#include "libfield/integral/plane.h"
+#include "libfield/kernel/kernel.h"
+#include "libfield/primitive/primitive.h"
+
+namespace cs2mesh {
+
+namespace detail {
+
+/// Calls visit(t0, t1) for panels that cover [0, end]: ten that grow by a half from a fifth of
+/// `scale`, then ever faster ones; a single panel if there is no scale.
+template <class Visit>
+void visit_growing_panels(double end, double scale, const Visit& visit) {
+  constexpr int kMostPanels = 40;
+  double t = 0.0;
+  double step = 0.2 * scale;
+  for (int i = 0; i < kMostPanels && step > 0.0 && t + step < end; ++i) {
+    visit(t, t + step);
+    t += step;
+    step *= i < 10 ? 1.4 : 2.0;
+  }
+  if (t < end) visit(t, end);
+}
+
+/// The distance along a primitive over which the kernel falls, seen from distance d.
+template <class K>
+double falling_scale(const K& kernel, double d) {
+  if constexpr (std::is_same_v<K, Gaussian>) {
+    return kernel.length_scale();
+  } else if constexpr (std::is_same_v<K, Cauchy>) {
+    return std::hypot(d, kernel.length_scale());
+  } else if constexpr (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>) {
+    return std::max(d, kernel.clamp);
+  } else {
+    // Half of the chord that the support cuts out: env is flat, then 0.
+    return 0.7 * std::sqrt(std::max(0.0, (kernel.radius - d) * (kernel.radius + d)));
+  }
+}
+
+inline double distance_at(double d, double t) {
+  return std::sqrt(d * d + t * t) * (1.0 - 1e-15);
+}
+
+/// The bound for a segment of that length.
+template <class K>
+double length_bound(const K& kernel, double length, int order, double d) {
+  double sum = 0.0;
+  visit_growing_panels(0.5 * length, falling_scale(kernel, d), [&](double t0, double t1) {
+    sum += 2.0 * (t1 - t0) * kernel.derivative_envelope(order, distance_at(d, t0));
+  });
+  return rounded_up(sum);
+}
+
+}  // namespace detail
+
+/// An upper bound of the operator norm of the derivative of that order (0, 1, 2) of the field at
+/// all points at least `distance` >= 0 away from the primitive, the kernel's amplitude included.
+/// Infinite where there is none.
+template <class K>
+double derivative_bound(const K& kernel, const Point&, int order, double distance) {
+  return kernel.derivative_envelope(order, distance);
+}
+
+template <class K>
+double derivative_bound(const K& kernel, const Segment& segment, int order, double distance) {
+  return detail::length_bound(kernel, measure(segment), order, distance);
+}
+
+template <class K>
+double derivative_bound(const K& kernel, const Arc& arc, int order, double distance) {
+  const double inner = arc.radius * arc.sweep *
+                       kernel.derivative_envelope(order, std::max(distance, 0.5 * arc.radius));
+  double outer = 0.0;
+  const double scale = detail::falling_scale(kernel, distance);
+  detail::visit_growing_panels(0.5 * arc.radius * arc.sweep, scale, [&](double t0, double t1) {
+    // sin x >= x - x^3 / 6, which grows up to x = sqrt(2).
+    const double x = std::min(0.5 * t0 / arc.radius, 1.414);
+    const double sine = x - x * x * x / 6.0;
+    const double chord = std::numbers::sqrt2 * arc.radius * sine;
+    outer +=
+        2.0 * (t1 - t0) * kernel.derivative_envelope(order, detail::distance_at(distance, chord));
+  });
+  return rounded_up(std::max(inner, outer));
+}
+
+template <class K>
+double derivative_bound(const K& kernel, const Triangle& triangle, int order, double distance) {
+  const double area = measure(triangle) * (1.0 + 1e-14);
+  const double scale = detail::falling_scale(kernel, distance);
+  double disk = 0.0;
+  const double disk_radius = std::sqrt(area / std::numbers::pi);
+  detail::visit_growing_panels(disk_radius, scale, [&](double t0, double t1) {
+    disk += std::numbers::pi * (t1 - t0) * (t1 + t0) *
+            kernel.derivative_envelope(order, detail::distance_at(distance, t0));
+  });
+  const double longest = size(triangle);
+  if (longest > 4.0 * disk_radius) {
+    const double height = 2.0 * area / longest;
+    disk = std::min(disk, height * detail::length_bound(kernel, longest, order, distance));
+  }
+  return rounded_up(disk);
+}
+
+template <class K>
+double derivative_bound(const K& kernel, const Plane&, int order, double distance) {
+  if constexpr (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>) {
+    return std::numeric_limits<double>::infinity();
+  } else {
+    // The value falls with the distance; digits lost near the edge of a support are given back.
+    if (order == 0) {
+      const double nearer = distance - 1e-15 * distance;
+      return rounded_up(detail::plane_value(kernel, nearer));
+    }
+    return rounded_up(2.0 * std::numbers::pi * detail::plane_slope_bound(kernel, order, distance));
+  }
+}
+
+}  // namespace cs2mesh
