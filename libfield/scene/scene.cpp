@@ -38,10 +38,10 @@ std::optional<double> radius_of(const Scene& scene, const Element& element) {
       fragile = scene.fragile.sphere;
       break;
     case ElementKind::cylinder:
-      fragile = scene.fragile.cylinder;
+      fragile = element.spelling == Spelling::pipe ? scene.fragile.pipe : scene.fragile.cylinder;
       break;
     case ElementKind::arc:
-      fragile = scene.fragile.arc;
+      fragile = element.spelling == Spelling::torus ? scene.fragile.torus : scene.fragile.arc;
       break;
     case ElementKind::arch:
       fragile = scene.fragile.arch;

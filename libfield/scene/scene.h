@@ -45,9 +45,14 @@ enum class ElementKind { sphere, cylinder, arc, arch, line, dot, gauss, triangle
 /// The word of the language for it.
 std::string_view name_of(ElementKind kind);
 
+/// The command an element was written with, where `fragile` has a word of its own for it: a `pipe`
+/// is a cylinder, a `torus` the arc of a full circle.
+enum class Spelling { plain, pipe, torus };
+
 /// One primitive command, in the coordinates of the object that holds it.
 struct Element {
   ElementKind kind = ElementKind::sphere;
+  Spelling spelling = Spelling::plain;
   Primitive skeleton;
   std::optional<double> own_radius;  ///< > 0; sphere, cylinder, arc, arch have one
   Affine transform;                  ///< applied to this element alone

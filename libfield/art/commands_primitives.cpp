@@ -1,0 +1,121 @@
+// Primitives: what stands in the text becomes a skeleton, nothing is evaluated.
+#include <variant>
+
+#include "libfield/art/commands.h"
+
+namespace cs2mesh::commands {
+namespace {
+
+Segment read_segment(Arguments& args) {
+  const Vec3d base = args.triple("the base, x y z");
+  const Vec3d apex = args.triple("the apex, x y z");
+  return {base, apex};
+}
+
+void rod(SceneBuilder& builder, Arguments& args, Spelling spelling) {
+  const int material = builder.read_material(args);
+  const double radius = args.positive("the radius");
+  const Segment axis = read_segment(args);
+  builder.add(args, ElementKind::cylinder, axis, material, radius, spelling);
+}
+
+void point(SceneBuilder& builder, Arguments& args, ElementKind kind) {
+  const int material = builder.read_material(args);
+  const Vec3d position = args.triple("the position, x y z");
+  builder.add(args, kind, Point{position}, material);
+}
+
+}  // namespace
+
+void sphere(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const double radius = args.positive("the radius");
+  const Vec3d center = args.triple("the center, x y z");
+  builder.add(args, ElementKind::sphere, Point{center}, material, radius);
+}
+
+void cylinder(SceneBuilder& builder, Arguments& args) {
+  rod(builder, args, Spelling::plain);
+}
+
+void pipe(SceneBuilder& builder, Arguments& args) {
+  rod(builder, args, Spelling::pipe);
+}
+
+void dot(SceneBuilder& builder, Arguments& args) {
+  point(builder, args, ElementKind::dot);
+}
+
+void gauss(SceneBuilder& builder, Arguments& args) {
+  point(builder, args, ElementKind::gauss);
+}
+
+void line(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const Segment segment = read_segment(args);
+  builder.add(args, ElementKind::line, segment, material);
+}
+
+void triangle(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  Triangle triangle;
+  for (Vec3d& vertex : triangle.vertex) vertex = args.triple("a vertex, x y z");
+  builder.add(args, ElementKind::triangle, triangle, material);
+}
+
+void plane(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const Vec3d position = args.triple("a point of the plane, x y z");
+  const Vec3d normal = args.direction("the normal, x y z");
+  builder.add(args, ElementKind::plane, Plane{position, normal}, material);
+}
+
+void arc(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const double sweep_radius = args.positive("the sweep radius");
+  const double tube_radius = args.positive("the tube radius");
+  const Vec3d center = args.triple("the center, x y z");
+  const Vec3d normal = args.direction("the normal, x y z");
+  const double start = args.number("the start angle in degrees");
+  const SourceLocation where = args.here();
+  const std::string_view word = args.peek();
+  const double width = args.number("the width in degrees");
+  if (!args.failed() && !(width > 0 && width <= 360)) {
+    args.fail(where, in_quotes(word) +
+                         " is out of range, expected the width in degrees, > 0 and"
+                         " <= 360");
+  }
+  if (args.failed()) return;
+  builder.add(args, ElementKind::arc, make_arc(center, sweep_radius, normal, start, width),
+              material, tube_radius);
+}
+
+void torus(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const double sweep_radius = args.positive("the sweep radius");
+  const double tube_radius = args.positive("the tube radius");
+  const Vec3d center = args.triple("the center, x y z");
+  const Vec3d normal = args.direction("the normal, x y z");
+  builder.add(args, ElementKind::arc, make_arc(center, sweep_radius, normal, 0, 360), material,
+              tube_radius, Spelling::torus);
+}
+
+void arch(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const double radius = args.positive("the tube radius");
+  const SourceLocation where = args.here();
+  const Vec3d p1 = args.triple("the first point, x y z");
+  const Vec3d p2 = args.triple("the second point, x y z");
+  const Vec3d p3 = args.triple("the third point, x y z");
+  if (args.failed()) return;
+  const auto curve = make_arch(p1, p2, p3);
+  if (!curve) {
+    args.fail(where,
+              "no circular arc runs through these points, expected the second between the others");
+    return;
+  }
+  Primitive skeleton = std::visit([](const auto& c) -> Primitive { return c; }, *curve);
+  builder.add(args, ElementKind::arch, std::move(skeleton), material, radius);
+}
+
+}  // namespace cs2mesh::commands
