@@ -16,8 +16,8 @@ class Result {
  public:
   Result(T value, std::vector<Diagnostic> remarks = {})  // NOLINT(google-explicit-constructor)
       : value_(std::move(value)), diagnostics_(std::move(remarks)) {}
-  Result(Diagnostic error)
-      : diagnostics_{std::move(error)} {}  // NOLINT(google-explicit-constructor)
+  Result(Diagnostic error)  // NOLINT(google-explicit-constructor)
+      : diagnostics_{std::move(error)} {}
   static Result failure(std::vector<Diagnostic> errors) {
     require(!errors.empty(), "Result::failure needs an error");
     Result result;
