@@ -42,8 +42,7 @@ void set_square_pixels(View& view, double shorter, int width, int height) {
 
 View frame(const Vec3d& wished_up, const Aabb& extent, int width, int height) {
   const bool known = !extent.empty() && extent.finite() && extent.diagonal() > 0.0;
-  const Vec3d center = known ? extent.center() : Vec3d{};
-  const double radius = known ? 0.5 * extent.diagonal() : 1.0;
+  const Aabb box = known ? extent : Aabb{{-1, -1, -1}, {1, 1, 1}};
 
   // Slantwise from above in a frame whose third axis is `up`.
   const Vec3d up = norm(wished_up) > 0.0 ? normalized(wished_up) : Vec3d{0, 0, 1};
@@ -53,9 +52,18 @@ View frame(const Vec3d& wished_up, const Aabb& extent, int width, int height) {
 
   View view;
   orient(view, -from, up);
-  const double half_angle = 0.5 * kFramingAngle * kRadiansPerDegree;
-  view.eye = center + (radius / std::sin(half_angle)) * from;
-  set_square_pixels(view, std::tan(half_angle), width, height);
+  set_square_pixels(view, tangent_of_half(kFramingAngle), width, height);
+
+  // As near as lets every corner of the box keep this distance from the border.
+  constexpr double kMargin = 0.95;
+  double distance = 0.6 * box.diagonal();
+  for (int i = 0; i < 8; ++i) {
+    const Vec3d d = box.corner(i) - box.center();
+    const double sideways = std::max(std::abs(dot(d, view.right)) / view.half_width,
+                                     std::abs(dot(d, view.up)) / view.half_height);
+    distance = std::max(distance, sideways / kMargin - dot(d, view.forward));
+  }
+  view.eye = box.center() + distance * from;
   return view;
 }
 

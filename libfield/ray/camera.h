@@ -27,11 +27,11 @@ struct View {
 };
 
 /// The view that the scene's camera has: the picture spans fov_horizontal by fov_vertical degrees,
-/// so that pixels are square only if the frame's size fits. Where the scene sets no eye: the sphere
-/// around `extent` fills the shorter side of a width x height picture of square pixels, 40 degrees
-/// high or wide, seen slantwise from above (`up` is above). An `up` along the line of sight, or of
-/// length 0, is replaced by the coordinate axis farthest from that line; an eye at look_at looks
-/// at the centre of the extent.
+/// so that pixels are square only if the frame's size fits. Where the scene sets no eye: a
+/// width x height picture of square pixels, its shorter side 40 degrees, that the box `extent` just
+/// fills, seen slantwise from above (`up` is above). An `up` along the line of sight, or of length
+/// 0, is replaced by the coordinate axis farthest from that line; an eye at look_at looks at the
+/// centre of the extent.
 View make_view(const Camera& camera, const Aabb& extent, int width, int height);
 
 /// Parallel rays along `direction` (any length but 0) whose width x height picture of square pixels

@@ -110,7 +110,8 @@ bool Tracer::in_shadow(const Vec3d& point, const Vec3d& light, RenderStatistics&
   solver.accuracy = 1e-6 * size_;
   const Ray ray{point, way / distance};
   for (const Part& part : compiled_.parts) {
-    if (meet(*part.surface, ray, distance, solver, statistics.shadow_cost, statistics.uncertain)) {
+    if (meet(*part.surface, ray, distance, solver, statistics.shadow_cost,
+             statistics.shadow_uncertain)) {
       return true;
     }
   }
@@ -254,6 +255,7 @@ RenderStatistics& RenderStatistics::operator+=(const RenderStatistics& other) {
   misses += other.misses;
   shadow_rays += other.shadow_rays;
   uncertain += other.uncertain;
+  shadow_uncertain += other.shadow_uncertain;
   hit_cost += other.hit_cost;
   miss_cost += other.miss_cost;
   shadow_cost += other.shadow_cost;

@@ -28,7 +28,9 @@ struct RenderOptions {
 struct RenderStatistics {
   std::uint64_t hits = 0, misses = 0;  ///< rays from the eye that meet a surface or none
   std::uint64_t shadow_rays = 0;
-  std::uint64_t uncertain = 0;  ///< places that no bound could decide, counted as no surface
+  /// Places that no bound could decide, counted as no surface: of rays from the eye, and of shadow
+  /// rays, whose accuracy is but 1e-6 of the extent's diagonal.
+  std::uint64_t uncertain = 0, shadow_uncertain = 0;
   RayCost hit_cost, miss_cost;  ///< of the rays from the eye, shading left out
   RayCost shadow_cost;
 
