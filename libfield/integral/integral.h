@@ -1,0 +1,42 @@
+// The fields of all kernels over all primitives: integral(kernel, primitive, p) gives value and
+// gradient at p, the kernel's amplitude included.
+//
+//            point        segment             arc             triangle            plane
+//  cauchy    closed       closed              closed          closed              closed
+//  gaussian  closed       closed              quadrature      quadrature          closed
+//  inverse   closed       quadrature          quadrature      quadrature          divergent
+//  squared   closed       quadrature          quadrature      quadrature          divergent
+//  metaball  closed       quadrature          quadrature      quadrature          closed
+//  soft      closed       quadrature (exact)  quadrature      quadrature          closed
+//  quartic   closed       quadrature (exact)  quadrature      quadrature          closed
+//
+// To add a closed form: its file, its #include here, its word in this table.
+#pragma once
+
+#include "libfield/integral/cauchy_arc.h"
+#include "libfield/integral/cauchy_segment.h"
+#include "libfield/integral/cauchy_triangle.h"
+#include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/plane.h"
+#include "libfield/integral/point.h"
+#include "libfield/integral/quadrature.h"
+
+namespace cs2mesh {
+
+/// Whether the field of that kernel over that primitive is infinite everywhere.
+template <class K, class P>
+inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plane>;
+
+/// Whether there is a closed form; the table above as code.
+template <class K, class P>
+inline constexpr bool kHasClosedForm = std::is_same_v<P, Point> || std::is_same_v<P, Plane> ||
+                                       std::is_same_v<K, Cauchy> ||
+                                       (std::is_same_v<K, Gaussian> && std::is_same_v<P, Segment>);
+
+/// Pairs without a closed form, in double alone.
+template <class K, class P>
+requires(!kHasClosedForm<K, P>) Jet integral(const K& kernel, const P& primitive, const Vec3d& p) {
+  return quadrature(kernel, primitive, p);
+}
+
+}  // namespace cs2mesh
