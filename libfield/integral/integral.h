@@ -27,15 +27,15 @@ namespace cs2mesh {
 template <class K, class P>
 inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plane>;
 
-/// Whether there is a closed form; the table above as code.
+/// Whether quadrature stands in for a closed form; the table above as code.
 template <class K, class P>
-inline constexpr bool kHasClosedForm = std::is_same_v<P, Point> || std::is_same_v<P, Plane> ||
-                                       std::is_same_v<K, Cauchy> ||
-                                       (std::is_same_v<K, Gaussian> && std::is_same_v<P, Segment>);
+inline constexpr bool kNeedsQuadrature =
+    !std::is_same_v<K, Cauchy> && ((std::is_same_v<P, Segment> && !std::is_same_v<K, Gaussian>) ||
+                                   std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>);
 
 /// Pairs without a closed form, in double alone.
 template <class K, class P>
-requires(!kHasClosedForm<K, P>) Jet integral(const K& kernel, const P& primitive, const Vec3d& p) {
+requires kNeedsQuadrature<K, P> Jet integral(const K& kernel, const P& primitive, const Vec3d& p) {
   return quadrature(kernel, primitive, p);
 }
 
