@@ -116,20 +116,24 @@ struct TriangleFrame {
       if (length > longest) longest = length, base = i;
     }
     for (std::size_t i = 0; i < 3; ++i) vertex[i] = Vec3<T>(triangle.vertex[(base + i) % 3]);
-    // The two shortest edges meet at the apex: their product loses the fewest digits.
-    const Vec3<T> right = vertex[1] - vertex[2];
-    const Vec3<T> left = vertex[0] - vertex[2];
-    const Vec3<T> doubled_area = cross(left, right);
-    normal = unit_or_zero(doubled_area);
+    // The apex over the base from its nearer end. In a sliver the first projection leaves a part
+    // along the base; the second removes it, so that the frame is orthogonal to rounding.
+    const Vec3<T> left = vertex[2] - vertex[0];
+    const Vec3<T> right = vertex[2] - vertex[1];
+    const Vec3<T> along = unit_or_zero(vertex[1] - vertex[0]);
+    const Vec3<T> side = squared_norm(left) < squared_norm(right) ? left : right;
+    Vec3<T> up = unit_or_zero(side - dot(side, along) * along);
+    up = unit_or_zero(up - dot(up, along) * along);
+    normal = cross(along, up);
     for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3<T> side = vertex[(i + 1) % 3] - vertex[i];
-      edge[i].along = unit_or_zero(side);
+      const Vec3<T> between = vertex[(i + 1) % 3] - vertex[i];
+      edge[i].along = unit_or_zero(between);
       edge[i].outward = cross(edge[i].along, normal);
-      edge[i].length = dot(side, edge[i].along);
+      edge[i].length = dot(between, edge[i].along);
     }
+    height = dot(side, up);
     const T length = edge[0].length;
-    height = length > T(0) ? T(dot(doubled_area, normal) / length) : T(0);
-    foot = std::min(std::max(T(-dot(left, edge[0].along)), T(0)), length);
+    foot = std::min(std::max(T(dot(left, along)), T(0)), length);
   }
 };
 

@@ -47,10 +47,10 @@ struct UnitRule {
 template <int N>
 inline constexpr UnitRule<N> kUnitRule{};
 
-/// The sums of distances S / L from which an order reaches double precision, with room for the
-/// factors that poles of third order bring.
+/// The sums of distances S / L from which an order reaches double precision, with room for poles of
+/// third order and for polynomial factors, which grow with the ellipse.
 inline constexpr double kReach14 = 2.2;
 inline constexpr double kReach8 = 6.5;
-inline constexpr double kReach4 = 100.0;
+inline constexpr double kReach4 = 300.0;
 
 }  // namespace cs2mesh

@@ -8,9 +8,10 @@
 //
 //  - Foot on the segment: sqrt(pi) / (2a) exp(log A - a^2 c^2) (erf(a g) + erf(a n)).
 //  - Foot outside: the difference of erf loses all digits; with erfcx it is
-//        sqrt(pi) / (2a) exp(log A - a^2 (c^2 + n^2)) (erfcx(a n) - exp(-delta) erfcx(a g)),
-//    good down to delta = 0.35, below which the integrand is so flat that eight Gauss-Legendre
-//    nodes give it to the last bit (then a L <= 0.6, relative error 4e-18).
+//        sqrt(pi) / (2a) exp(log A - a^2 (c^2 + n^2)) (erfcx(a n) - exp(-delta) erfcx(a g)).
+//  - Either loses digits on a segment so short that the exponent varies by less than 0.35 along it;
+//    there eight Gauss-Legendre nodes give the last bit (a L <= 0.6: relative error 4e-18), and
+//    weights that add up to L rather than to t2 - t1 keep the length exact.
 // One exponent holds the amplitude and the distance, cut off at Gaussian::kGreatestExponent, so
 // stiff kernels do not overflow. Value and gradient are within a few ulp of the exact result for
 // inputs moved by a few ulp. Finite for every finite p.
@@ -30,7 +31,7 @@ namespace detail {
 
 inline constexpr double kFlatDelta = 0.35;
 
-/// int_0^1 exp(-(b x + q x^2)) dx for b, q >= 0 with b + q <= kFlatDelta.
+/// int_0^1 exp(-(b x + q x^2)) dx for |b x + q x^2| <= kFlatDelta on [0, 1].
 inline double flat_gaussian(double b, double q) {
   constexpr const UnitRule<8>& rule = kUnitRule<8>;
   std::array<double, 8> y, e;
@@ -107,13 +108,15 @@ GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1, const T& t2, 
   } else {
     constexpr double kHalfRootPi = 0.5 / std::numbers::inv_sqrtpi;
     const double far = std::max(std::abs(t1), std::abs(t2));
-    if ((t1 > 0.0) != (t2 > 0.0)) {
-      out.value = kHalfRootPi / a * bounded_exp(across) * (std::erf(a * near) + std::erf(a * far));
-    } else if (delta > kFlatDelta) {
-      out.value = kHalfRootPi / a * at_near * (erfcx(a * near) - (1.0 - fall) * erfcx(a * far));
-    } else {
+    const double q = a2 * (length * length);
+    const bool on_segment = (t1 > 0.0) != (t2 > 0.0);
+    if ((on_segment ? q : delta) <= kFlatDelta) {
       const double b = 2.0 * a2 * (near * length);
-      out.value = length * at_near * flat_gaussian(b, a2 * (length * length));
+      out.value = length * at_near * flat_gaussian(on_segment ? -b : b, q);
+    } else if (on_segment) {
+      out.value = kHalfRootPi / a * bounded_exp(across) * (std::erf(a * near) + std::erf(a * far));
+    } else {
+      out.value = kHalfRootPi / a * at_near * (erfcx(a * near) - (1.0 - fall) * erfcx(a * far));
     }
   }
   return out;
