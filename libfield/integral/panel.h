@@ -69,7 +69,8 @@ struct Piece {
 };
 
 /// [x1, x2], of that length, as pieces that begin at their point nearest to 0, so that offsets keep
-/// all digits there: one piece, or two with 0 between them.
+/// all digits there: one piece, or two with 0 between them. Their lengths add up to `length`, while
+/// x1 and x2 carry the rounding of wherever they were computed from.
 struct Pieces {
   std::array<Piece, 2> piece;
   std::size_t count;
@@ -77,7 +78,8 @@ struct Pieces {
 inline Pieces pieces_of(double x1, double x2, double length) {
   if (x1 >= 0.0) return {{Piece{x1, length, 1.0}}, 1};
   if (x2 <= 0.0) return {{Piece{-x2, length, -1.0}}, 1};
-  return {{Piece{0.0, x2, 1.0}, Piece{0.0, -x1, -1.0}}, 2};
+  const double scale = length / (x2 - x1);
+  return {{Piece{0.0, x2 * scale, 1.0}, Piece{0.0, -x1 * scale, -1.0}}, 2};
 }
 
 }  // namespace cs2mesh

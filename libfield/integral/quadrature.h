@@ -264,7 +264,7 @@ Jet arc_quadrature(const K& kernel, const Arc& arc, const Vec3d& p, double reach
   const Vec3d d = p - arc.center;
   const double x = dot(d, arc.ex), y = dot(d, arc.ey), z = dot(d, arc.normal);
   const double rho = std::hypot(x, y);
-  const double azimuth = std::atan2(y, x);
+  const double azimuth = rho > 0.0 ? std::atan2(y, x) : 0.0;
   const double cosine = rho > 0.0 ? x / rho : 1.0;
   const double sine = rho > 0.0 ? y / rho : 0.0;
   const Vec3d outward = cosine * arc.ex + sine * arc.ey;

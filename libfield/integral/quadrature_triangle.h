@@ -137,10 +137,9 @@ void add_flank(const K& kernel, const Flank& flank, double plane_gap2, double re
                                   std::max(flank.corner, flank.apex), flank.length);
   for (std::size_t i = 0; i < pieces.count; ++i) {
     const Piece& piece = pieces.piece[i];
-    // The distance from the corner is `from_corner` + toward * o.
+    // The distance from the corner is at_start + toward * o.
     const double toward = piece.sign * flank.direction;
-    const bool from_zero = piece.start == 0.0 && pieces.count == 2;
-    const double at_start = from_zero ? std::abs(flank.corner) : toward > 0.0 ? 0.0 : flank.length;
+    const double at_start = toward > 0.0 ? flank.length - piece.length : piece.length;
     const auto take = [&](double o, double panel) {
       const UnitRule<kPanelOrder>& rule = kUnitRule<kPanelOrder>;
       FaceMoments part;
