@@ -44,7 +44,7 @@ class NodeMover {
 /// What the mesher knows of the nodes of a band. A node is *known* if an edge that the surface
 /// crosses ends there, or it is a corner of a cell with an ambiguous face; each known node has a
 /// jet, and a known node too close to the surface has been moved and its sign taken anew, so that
-/// no crossing comes to lie within about 0.05 cells of a node. A sign changes only where all cells
+/// no crossing comes to lie within about kNear cells of a node. A sign changes only where all cells
 /// around the node are in active blocks, so every cell at a crossed edge is.
 class LatticeNodes {
  public:
