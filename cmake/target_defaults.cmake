@@ -8,4 +8,8 @@ function(cs2mesh_target_defaults target)
   # -ffp-contract=off: results must not depend on which products the compiler fuses.
   target_compile_options(${target} PRIVATE -Wall -Wextra -ffp-contract=off
                                            $<$<BOOL:${CS2MESH_WERROR}>:-Werror>)
+  # GCC 12 reports overlapping copies inside std::string where there are none (its bug 105651).
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU" AND CMAKE_CXX_COMPILER_VERSION VERSION_LESS 13)
+    target_compile_options(${target} PRIVATE -Wno-restrict)
+  endif()
 endfunction()

@@ -1,0 +1,159 @@
+#include "libfield/field/compile.h"
+
+#include <algorithm>
+#include <map>
+
+#include "libfield/field/field.h"
+#include "libfield/field/make_term.h"
+#include "libfield/solid/make_solid.h"
+
+namespace cs2mesh {
+namespace {
+
+/// A hard solid is of one material throughout.
+class OneMaterial final : public MaterialBlend {
+ public:
+  explicit OneMaterial(int material) : material_(material) {}
+  void shares(const Vec3d& /*point*/, std::vector<MaterialShare>& shares) const override {
+    shares.assign(1, {material_, 1.0});
+  }
+
+ private:
+  int material_;
+};
+
+/// The blend group of an element: that of the nearest object around it with a `blend` line.
+struct GroupNames {
+  explicit GroupNames(const Scene& scene) : names(scene.objects.size() + 1, "soft") {
+    int nameless = 0;
+    for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+      const Object& object = scene.objects[i];
+      names[i + 1] = !object.blend           ? names[static_cast<std::size_t>(object.parent + 1)]
+                     : object.blend->empty() ? "#" + std::to_string(++nameless)
+                                             : *object.blend;
+    }
+  }
+  const std::string& of(const Element& element) const {
+    return names[static_cast<std::size_t>(element.object + 1)];
+  }
+  std::vector<std::string> names;  ///< by object index + 1
+};
+
+struct Group {
+  std::vector<Term> terms;
+  SourceLocation where;
+  double thinnest = 0.0;
+};
+
+class Compiler {
+ public:
+  Compiler(const Scene& scene, const CompileOptions& options)
+      : scene_(scene), options_(options), group_names_(scene) {}
+
+  Result<CompiledScene> run() {
+    for (const Element& element : scene_.elements) add(element);
+    if (!errors_.empty()) return Result<CompiledScene>::failure(std::move(errors_));
+    for (const std::string& name : group_order_) finish(name, groups_[name]);
+    for (Part& solid : solids_) compiled_.parts.push_back(std::move(solid));
+    if (compiled_.parts.empty()) {
+      return error_at({scene_.file, 0, 0},
+                      "the scene has no surface, expected at least one element whose strength is "
+                      "not 0");
+    }
+    return {std::move(compiled_), std::move(notes_)};
+  }
+
+ private:
+  void add(const Element& element) {
+    if (is_soft(scene_, element) && scene_.soft) {
+      add_soft(element);
+    } else {
+      add_hard(element);
+    }
+  }
+
+  void add_soft(const Element& element) {
+    Result<MadeTerm> made = make_term(scene_, element);
+    if (!keep_remarks(made)) return;
+    if (!made->term) return;
+    const std::string& name = group_names_.of(element);
+    const auto [place, is_new] = groups_.try_emplace(name);
+    Group& group = place->second;
+    if (is_new) {
+      group_order_.push_back(name);
+      group.where = element.where;
+      group.thinnest = made->radius;
+    }
+    if (made->radius > 0) group.thinnest = std::min(group.thinnest, made->radius);
+    include(skeleton_box(*made->term), made->radius);
+    group.terms.push_back(std::move(*made->term));
+  }
+
+  void add_hard(const Element& element) {
+    Result<MadeSolid> made = make_solid(scene_, element, is_soft(scene_, element));
+    if (!keep_remarks(made)) return;
+    Part part;
+    part.name = std::string(name_of(element.kind)) + " " + std::to_string(element.where.line);
+    const std::size_t twins = ++hard_names_[part.name];
+    if (twins > 1) part.name += "." + std::to_string(twins);
+    part.soft = false;
+    part.where = element.where;
+    part.surface = made->surface;
+    part.materials = std::make_shared<OneMaterial>(element.material);
+    part.thinnest_radius = made->radius;
+    part.creased = made->creased;
+    part.primitive_count = 1;
+    include(part.surface->bounds(), 0.0);
+    solids_.push_back(std::move(part));
+  }
+
+  void finish(const std::string& name, Group& group) {
+    Part part;
+    part.name = name;
+    part.where = group.where;
+    part.thinnest_radius = group.thinnest;
+    part.primitive_count = group.terms.size();
+    auto field = std::make_shared<Field>(std::move(group.terms), options_.error_budget);
+    part.surface = field;
+    part.materials = field;
+    compiled_.parts.push_back(std::move(part));
+  }
+
+  /// Grows the extent; unbounded sides count up to `mesh bounds`.
+  void include(Aabb box, double radius) {
+    box = box.grown(radius);
+    if (!box.finite()) {
+      if (!scene_.mesh.bounds) return;
+      box = {max(box.min, scene_.mesh.bounds->min), min(box.max, scene_.mesh.bounds->max)};
+    }
+    if (!box.empty()) compiled_.extent.include(box);
+  }
+
+  template <class T>
+  bool keep_remarks(const Result<T>& result) {
+    auto& kept = result ? notes_ : errors_;
+    constexpr std::size_t kMostErrors = 20;
+    for (const Diagnostic& d : result.diagnostics()) {
+      if (result || kept.size() < kMostErrors) kept.push_back(d);
+    }
+    return static_cast<bool>(result);
+  }
+
+  const Scene& scene_;
+  const CompileOptions& options_;
+  GroupNames group_names_;
+  std::map<std::string, Group> groups_;
+  std::vector<std::string> group_order_;
+  std::map<std::string, std::size_t> hard_names_;
+  std::vector<Part> solids_;
+  CompiledScene compiled_;
+  std::vector<Diagnostic> notes_, errors_;
+};
+
+}  // namespace
+
+Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options) {
+  return Compiler(scene, options).run();
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,263 @@
+#include "libfield/field/field.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cs2mesh {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kThreshold = 1.0;
+
+/// The block lattice spans the bounds of the surface; beyond it, every term counts.
+struct BlockLattice {
+  Aabb domain;
+  double edge = 1.0;
+
+  bool covers(const Vec3d& p) const { return domain.contains(p); }
+  /// ceil - 1: a point on a shared face belongs to the lower block.
+  long index(double x, double origin) const {
+    return static_cast<long>(std::ceil((x - origin) / edge)) - 1;
+  }
+  Aabb block(const Vec3d& p) const {
+    Aabb box;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      const auto i = static_cast<double>(index(p[axis], domain.min[axis]));
+      // A hair larger than the block, so that rounding of a face never loses a term.
+      box.min[axis] = domain.min[axis] + (i - 1e-9) * edge;
+      box.max[axis] = domain.min[axis] + (i + 1 + 1e-9) * edge;
+    }
+    return box;
+  }
+  /// The union of the blocks that meet `box`.
+  Aabb snapped(const Aabb& box) const {
+    Aabb all = block(domain.clamp(box.min));
+    all.include(block(domain.clamp(box.max)));
+    return all;
+  }
+};
+
+/// The number of blocks along the diagonal of the bounds: enough that a block holds few terms.
+double blocks_along_diagonal(std::size_t terms) {
+  return std::clamp(8 * std::cbrt(static_cast<double>(terms)), 16.0, 512.0);
+}
+
+}  // namespace
+
+struct FieldData {
+  std::vector<Term> terms;
+  double error_budget = 0.0;
+  Aabb bounds;
+  BoxTree reach;  ///< where each term's influence exceeds its share of the budget
+  BlockLattice lattice;
+};
+
+namespace {
+
+Aabb surface_bounds(const std::vector<Term>& terms) {
+  // Outside the union of the boxes, each positive term stays under its share of T.
+  const auto positive = static_cast<double>(
+      std::count_if(terms.begin(), terms.end(), [](const Term& t) { return t.sign > 0; }));
+  Aabb box;
+  for (const Term& term : terms) {
+    if (term.sign < 0) continue;
+    const double d = influence_distance(term, kThreshold / positive * (1 - 1e-9));
+    box.include(skeleton_box(term).grown(d));
+  }
+  return box;
+}
+
+}  // namespace
+
+Field::Field(std::vector<Term> terms, double error_budget) {
+  require(!terms.empty(), "a field needs terms");
+  require(error_budget > 0, "the error budget must be positive");
+  auto data = std::make_shared<FieldData>();
+  // Equal kinds together: one dispatch serves a run of points, and its branches stay predicted.
+  std::stable_sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
+    return std::pair(a.kernel.index(), a.primitive.index()) <
+           std::pair(b.kernel.index(), b.primitive.index());
+  });
+  data->terms = std::move(terms);
+  data->error_budget = error_budget;
+  data->bounds = surface_bounds(data->terms);
+
+  const double share = error_budget / static_cast<double>(data->terms.size());
+  std::vector<Aabb> reach;
+  reach.reserve(data->terms.size());
+  for (const Term& term : data->terms) {
+    reach.push_back(skeleton_box(term).grown(influence_distance(term, share)));
+  }
+  data->reach = BoxTree(std::move(reach));
+  if (data->bounds.finite()) {
+    data->lattice.edge = data->bounds.diagonal() / blocks_along_diagonal(data->terms.size());
+    data->lattice.domain = data->bounds.grown(data->lattice.edge);
+  }
+  data_ = std::move(data);
+}
+
+std::size_t Field::term_count() const {
+  return data_->terms.size();
+}
+Aabb Field::bounds() const {
+  return data_->bounds;
+}
+
+void Field::near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const {
+  found.clear();
+  if (!restricted_) {
+    data_->reach.overlapping(box, found);
+    std::sort(found.begin(), found.end());
+    return;
+  }
+  for (const std::uint32_t i : candidates_) {
+    if (data_->reach.box(i).overlaps(box)) found.push_back(i);
+  }
+}
+
+void Field::jets(std::span<const Vec3d> points, std::span<Jet> out) const {
+  require(points.size() == out.size(), "one jet a point");
+  std::fill(out.begin(), out.end(), Jet{-kThreshold, {}});
+  const BlockLattice& lattice = data_->lattice;
+  const auto add = [&](const std::vector<std::uint32_t>& list, std::size_t first, std::size_t n) {
+    for (const std::uint32_t i : list) {
+      accumulate(data_->terms[i], points.subspan(first, n), out.subspan(first, n));
+    }
+  };
+  if (uniform_) return add(candidates_, 0, points.size());
+
+  // Each run of points in one block shares that block's list.
+  std::vector<std::uint32_t> list;
+  for (std::size_t first = 0; first < points.size();) {
+    const bool covered = lattice.covers(points[first]);
+    const Aabb block =
+        covered ? lattice.block(points[first])
+                : Aabb{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+    std::size_t last = first + 1;
+    while (last < points.size() && lattice.covers(points[last]) == covered &&
+           (!covered || lattice.block(points[last]) == block)) {
+      ++last;
+    }
+    near_terms(block, list);
+    add(list, first, last - first);
+    first = last;
+  }
+}
+
+void Field::values(std::span<const Vec3d> points, std::span<double> out) const {
+  require(points.size() == out.size(), "one value a point");
+  std::vector<Jet> jets_of(points.size());
+  jets(points, jets_of);
+  std::transform(jets_of.begin(), jets_of.end(), out.begin(), [](const Jet& j) { return j.value; });
+}
+
+void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
+  require(points.size() == out.size(), "one jet a point");
+  std::fill(out.begin(), out.end(), Jet{});
+  for (const Term& term : data_->terms) accumulate(term, points, out);
+}
+
+Interval Field::enclose(const Aabb& box) const {
+  require(box.finite(), "enclose needs a finite box");
+  std::vector<std::uint32_t> list;
+  near_terms(box, list);
+  const double radius = 0.5 * box.diagonal() * (1 + 1e-15);
+  const Vec3d half = 0.5 * box.extent();
+
+  // Terms known by range add up as intervals, the others as one Taylor polynomial: gradients of
+  // neighbours cancel before they are bounded.
+  Interval ranges(-kThreshold);
+  Jet center;
+  double hessian = 0;
+  double rounding = 0;
+  for (const std::uint32_t i : list) {
+    const TermBound b = bound(data_->terms[i], box);
+    if (b.taylor) {
+      center += b.center;
+      hessian += b.hessian;
+      rounding += b.rounding;
+    } else {
+      ranges = ranges + b.range;
+    }
+  }
+  const double slope = std::abs(center.gradient.x) * half.x + std::abs(center.gradient.y) * half.y +
+                       std::abs(center.gradient.z) * half.z;
+  const double deviation = (slope + 0.5 * hessian * radius * radius + rounding) * (1 + 1e-12);
+  return widened(ranges + Interval(center.value), deviation + data_->error_budget);
+}
+
+std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
+  require(box.finite(), "enclose_gradient needs a finite box");
+  std::vector<std::uint32_t> list;
+  near_terms(box, list);
+  std::array<Interval, 3> sum{};
+  for (const std::uint32_t i : list) {
+    const TermBound b = bound(data_->terms[i], box);
+    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = sum[axis] + b.gradient[axis];
+  }
+  return sum;
+}
+
+double Field::derivative_bound(int order, const Aabb& box) const {
+  require(order == 1 || order == 2, "derivative bounds exist for orders 1 and 2");
+  if (order == 1) {
+    const std::array<Interval, 3> g = enclose_gradient(box);
+    return norm(Vec3d{g[0].magnitude(), g[1].magnitude(), g[2].magnitude()});
+  }
+  std::vector<std::uint32_t> list;
+  near_terms(box, list);
+  double sum = 0;
+  for (const std::uint32_t i : list) sum += bound(data_->terms[i], box).hessian;
+  return sum;
+}
+
+std::unique_ptr<ImplicitSurface> Field::restrict_to(const Aabb& box) const {
+  std::unique_ptr<Field> part(new Field());
+  part->data_ = data_;
+  part->restricted_ = true;
+  const BlockLattice& lattice = data_->lattice;
+  if (!lattice.covers(box.min) || !lattice.covers(box.max)) {
+    near_terms({{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}},
+               part->candidates_);
+    return part;
+  }
+  const Aabb blocks = lattice.snapped(box);
+  near_terms(blocks, part->candidates_);
+  part->uniform_ =
+      lattice.block(box.min) == lattice.block(box.max) ||
+      std::all_of(part->candidates_.begin(), part->candidates_.end(),
+                  [&](std::uint32_t i) { return data_->reach.box(i).contains(blocks); });
+  return part;
+}
+
+void Field::shares(const Vec3d& point, std::vector<MaterialShare>& shares) const {
+  shares.clear();
+  std::vector<std::uint32_t> list;
+  near_terms({point, point}, list);
+  double total = 0;
+  const auto add = [&shares](int material, double weight) {
+    for (MaterialShare& share : shares) {
+      if (share.material == material) {
+        share.share += weight;
+        return;
+      }
+    }
+    shares.push_back({material, weight});
+  };
+  for (const std::uint32_t i : list) {
+    const Term& term = data_->terms[i];
+    Jet jet;
+    accumulate(term, {&point, 1}, {&jet, 1});
+    if (!(jet.value > 0)) continue;
+    add(term.material, jet.value);
+    total += jet.value;
+  }
+  if (!(total > 0)) {
+    shares.assign(1, {data_->terms.front().material, 1.0});
+    return;
+  }
+  for (MaterialShare& share : shares) share.share /= total;
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,56 @@
+// The field of a blend group as an ImplicitSurface: F(p) = sum of the terms, surface F = T = 1.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "libfield/base/box_tree.h"
+#include "libfield/field/compile.h"
+#include "libfield/field/implicit_surface.h"
+#include "libfield/field/term.h"
+
+namespace cs2mesh {
+
+/// What all views of a field share.
+struct FieldData;
+
+/// values(), jets() and enclose() are those of F - T. A term is left out of a block of the field's
+/// own lattice where its influence provably stays under its share of the error budget; the shares
+/// sum to the budget, so F may step by as much where blocks meet. A point on a face belongs to the
+/// block below it.
+///
+/// Cost of an evaluation: the terms near the point's block, and a tree walk for each run of
+/// consecutive points in one block; so sort points by place, or evaluate them in a restriction.
+class Field final : public ImplicitSurface, public MaterialBlend {
+ public:
+  /// `terms` must not be empty; error_budget in units of T, > 0.
+  Field(std::vector<Term> terms, double error_budget);
+
+  void values(std::span<const Vec3d> points, std::span<double> out) const override;
+  void jets(std::span<const Vec3d> points, std::span<Jet> out) const override;
+  Interval enclose(const Aabb& box) const override;
+  std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
+  double derivative_bound(int order, const Aabb& box) const override;
+  Aabb bounds() const override;
+  std::unique_ptr<ImplicitSurface> restrict_to(const Aabb& box) const override;
+
+  void shares(const Vec3d& point, std::vector<MaterialShare>& shares) const override;
+
+  /// F itself, T not subtracted and nothing left out.
+  void full_jets(std::span<const Vec3d> points, std::span<Jet> out) const;
+  std::size_t term_count() const;
+
+ private:
+  Field() = default;
+  void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
+
+  std::shared_ptr<const FieldData> data_;
+  /// Where this is a restriction: the terms that reach its box, in ascending order.
+  bool restricted_ = false;
+  std::vector<std::uint32_t> candidates_;
+  /// All candidates reach every block of the restriction's box: its one list.
+  bool uniform_ = false;
+};
+
+}  // namespace cs2mesh

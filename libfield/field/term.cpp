@@ -1,0 +1,367 @@
+#include "libfield/field/term.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <type_traits>
+
+#include "libfield/integral/bound.h"
+#include "libfield/integral/integral.h"
+#include "libfield/primitive/uv_gradient.h"
+#include "libfield/profile/profile_slopes.h"
+
+namespace cs2mesh {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
+// The closed forms and rules are tested to 64 ulp of backward error.
+constexpr double kBackwardError = 64 * kEpsilon;
+
+/// Calls f(kernel, primitive) with the alternatives held, but for the pairs that diverge, which
+/// compile() never lets through.
+template <class F>
+auto visit_pair(const Term& term, F&& f) {
+  return std::visit(
+      [&f](const auto& kernel, const auto& primitive) {
+        using K = std::decay_t<decltype(kernel)>;
+        using P = std::decay_t<decltype(primitive)>;
+        constexpr bool kDiverges =
+            std::is_same_v<P, Plane> && (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>);
+        if constexpr (kDiverges) {
+          require(false, "an inverse kernel diverges on a plane");
+          return f(Cauchy{1.0}, primitive);
+        } else {
+          return f(kernel, primitive);
+        }
+      },
+      term.kernel, term.primitive);
+}
+
+template <class P>
+struct FrameTypeOf {
+  using type = P;
+};
+template <>
+struct FrameTypeOf<Segment> {
+  using type = SegmentFrame<double>;
+};
+template <>
+struct FrameTypeOf<Arc> {
+  using type = ArcFrame<double>;
+};
+template <>
+struct FrameTypeOf<Triangle> {
+  using type = TriangleFrame<double>;
+};
+
+/// The integral at a point, from the frame where the pair has a closed form that uses it.
+template <class K, class P>
+Jet integral_of(const Term& term, const K& kernel, const P& primitive, const Vec3d& local) {
+  const auto& frame = std::get<typename FrameTypeOf<P>::type>(term.frame);
+  if constexpr (requires { integral(kernel, frame, local); }) {
+    return integral(kernel, frame, local);
+  } else {
+    return integral(kernel, primitive, local);
+  }
+}
+
+/// Longest edge over smallest height of a triangle, 1 for the others: how much the rounding of the
+/// vertices is magnified.
+double condition_number(const Point&) {
+  return 1;
+}
+double condition_number(const Segment&) {
+  return 1;
+}
+double condition_number(const Arc&) {
+  return 1;
+}
+double condition_number(const Plane&) {
+  return 1;
+}
+double condition_number(const Triangle& triangle) {
+  const double longest = size(triangle);
+  return std::min(longest * longest / (2 * measure(triangle)), 1e12);
+}
+
+/// A box in the coordinates of the primitive, as a ball about its centre.
+struct LocalBox {
+  Vec3d center;
+  double radius = 0.0;   ///< half the diagonal, rounded up
+  double stretch = 1.0;  ///< upper bound of |to_local|
+  Aabb box;
+};
+
+LocalBox local_box(const Term& term, const Aabb& box) {
+  const double half = 0.5 * box.diagonal() * (1 + 4 * kEpsilon);
+  if (!term.to_local) return {box.center(), half, 1.0, box};
+  LocalBox local;
+  local.center = (*term.to_local)(box.center());
+  local.stretch = stretch_bound(term.to_local->linear);
+  local.radius = half * local.stretch;
+  for (int corner = 0; corner < 8; ++corner)
+    local.box.include((*term.to_local)(box.corner(corner)));
+  return local;
+}
+
+/// Distances from a primitive to a ball, rounded outwards.
+struct Reach {
+  double near = 0.0, far = 0.0;
+  double scale = 0.0;  ///< of the coordinates relative to the primitive
+};
+
+template <class P>
+Reach reach(const P& primitive, const LocalBox& local) {
+  Reach r;
+  const double d = distance(primitive, local.center);
+  r.scale = d + size(primitive);
+  const double slack = local.radius + 16 * kEpsilon * (r.scale + local.radius);
+  r.near = std::max(0.0, d - slack);
+  r.far = r.scale + slack;
+  return r;
+}
+
+Vec3d to_world_gradient(const Term& term, const Vec3d& local) {
+  return term.to_local ? transpose(term.to_local->linear) * local : local;
+}
+
+/// The product of the profiles at (u, v), with its derivatives.
+ProfileValue product(const std::vector<StrengthProfile>& profiles, double u, double v) {
+  ProfileValue all;
+  for (const StrengthProfile& profile : profiles) {
+    const ProfileValue one = evaluate(profile, u, v);
+    all = {all.w * one.w, all.du * one.w + all.w * one.du, all.dv * one.w + all.w * one.dv};
+  }
+  return all;
+}
+
+Interval product(const std::vector<StrengthProfile>& profiles, const Interval& u,
+                 const Interval& v) {
+  Interval all(1.0);
+  for (const StrengthProfile& profile : profiles) all = all * enclose(profile, u, v);
+  return all;
+}
+
+/// sup |w|, wherever the point is.
+double largest_weight(const Term& term) {
+  if (term.profiles.empty()) return 1.0;
+  const bool plane = std::holds_alternative<Plane>(term.primitive);
+  const Interval range = plane ? Interval::everything() : Interval(0.0, 1.0);
+  return product(term.profiles, range, range).magnitude();
+}
+
+/// The integral alone over a ball: what bound() is made of.
+struct IntegralBound {
+  bool taylor = false;
+  Interval range;
+  Jet center;
+  double hessian = 0.0;
+  double slope = 0.0;  ///< >= |gradient| everywhere on the ball
+  double rounding = 0.0;
+};
+
+template <class K, class P>
+IntegralBound integral_bound(const Term& term, const K& kernel, const P& primitive,
+                             const LocalBox& local) {
+  const Reach r = reach(primitive, local);
+  IntegralBound b;
+  const double highest = derivative_bound(kernel, primitive, 0, r.near);
+  // Every element of the primitive is nearer than r.far, and h decreases.
+  const double mass = measure(primitive);
+  const double lowest =
+      std::isfinite(mass) ? mass * kernel.profile(r.far * r.far) * (1 - 1e-12) : 0.0;
+  b.range = {std::min(lowest, highest), highest};
+  b.slope = derivative_bound(kernel, primitive, 1, r.near);
+  b.hessian = derivative_bound(kernel, primitive, 2, r.near);
+  b.taylor = std::isfinite(b.hessian) && b.hessian * local.radius * local.radius < b.range.width();
+  if (b.taylor) {
+    b.center = integral_of(term, kernel, primitive, local.center);
+    b.rounding = kBackwardError * (condition_number(primitive) * std::abs(b.center.value) +
+                                   norm(b.center.gradient) * r.scale);
+  }
+  return b;
+}
+
+Interval taylor_range(const IntegralBound& b, double radius) {
+  return widened(Interval(b.center.value),
+                 (norm(b.center.gradient) + 0.5 * b.hessian * radius) * radius + b.rounding);
+}
+
+/// Whether w may differ between the two sides of a seam of u or v that the box straddles. The clamp
+/// can hide a difference only where the other coordinate plays no part.
+bool jumps(const StrengthProfile& profile, const UvGradientBound& uv) {
+  StrengthProfile ends = profile;
+  const bool u_alone = profile.along_v == ProfileFunction::one;
+  const bool v_alone = profile.along_u == ProfileFunction::one;
+  if (!u_alone && !v_alone) {
+    ends.lower = -kInfinity;
+    ends.upper = kInfinity;
+  }
+  ends.along_v = ProfileFunction::one;
+  if (uv.seam_u && evaluate(ends, 0, 0).w != evaluate(ends, 1, 0).w) return true;
+  ends.along_v = profile.along_v;
+  ends.along_u = ProfileFunction::one;
+  return uv.seam_v && evaluate(ends, 0, 0).w != evaluate(ends, 0, 1).w;
+}
+
+/// Bounds of w and of each component of grad w over a box.
+struct WeightBound {
+  Interval w;
+  std::array<Interval, 3> gradient;
+};
+
+template <class P>
+WeightBound weight_bound(const Term& term, const P& primitive, const LocalBox& local) {
+  const auto [u, v] = enclose_uv(primitive, local.box);
+  const UvGradientBound slopes = enclose_uv_gradient(primitive, local.box);
+  WeightBound b;
+  b.w = product(term.profiles, u, v);
+  const bool jump = std::any_of(term.profiles.begin(), term.profiles.end(),
+                                [&](const StrengthProfile& p) { return jumps(p, slopes); });
+  if (jump) {
+    b.gradient.fill(Interval::everything());
+    return b;
+  }
+  Interval du(0.0), dv(0.0), w(1.0);
+  for (const StrengthProfile& profile : term.profiles) {
+    const Interval one = enclose(profile, u, v);
+    const ProfileSlopes slope = enclose_slopes(profile, u, v);
+    du = du * one + w * slope.du;
+    dv = dv * one + w * slope.dv;
+    w = w * one;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    b.gradient[axis] = du * slopes.u[axis] + dv * slopes.v[axis];
+  }
+  return b;
+}
+
+std::array<Interval, 3> ball(const Vec3d& center, double radius) {
+  return {widened(center.x, radius), widened(center.y, radius), widened(center.z, radius)};
+}
+
+/// The transposed linear map applied to a box of gradients.
+std::array<Interval, 3> to_world_gradient(const Term& term, const std::array<Interval, 3>& local) {
+  if (!term.to_local) return local;
+  const Mat3 map = transpose(term.to_local->linear);
+  std::array<Interval, 3> world;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3d& row = map.row[i];
+    world[i] = Interval(row.x) * local[0] + Interval(row.y) * local[1] + Interval(row.z) * local[2];
+  }
+  return world;
+}
+
+template <class K, class P>
+Jet profiled_jet(const Term& term, const K& kernel, const P& primitive, const Vec3d& local) {
+  const Jet field = integral_of(term, kernel, primitive, local);
+  if (term.profiles.empty()) return field;
+  const Uv at = uv(primitive, local);
+  const ProfileValue weight = product(term.profiles, at.u, at.v);
+  return {
+      weight.w * field.value,
+      weight.w * field.gradient + field.value * (weight.du * at.grad_u + weight.dv * at.grad_v)};
+}
+
+}  // namespace
+
+Frame frame_of(const Primitive& primitive) {
+  return std::visit(
+      [](const auto& p) -> Frame {
+        using P = std::decay_t<decltype(p)>;
+        return typename FrameTypeOf<P>::type(p);
+      },
+      primitive);
+}
+
+void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> sums) {
+  visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+    if (!term.to_local && term.profiles.empty()) {
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        sums[i] += term.sign * integral_of(term, kernel, primitive, points[i]);
+      }
+      return;
+    }
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const Vec3d local = term.to_local ? (*term.to_local)(points[i]) : points[i];
+      Jet jet = profiled_jet(term, kernel, primitive, local);
+      jet.gradient = to_world_gradient(term, jet.gradient);
+      sums[i] += term.sign * jet;
+    }
+  });
+}
+
+TermBound bound(const Term& term, const Aabb& box) {
+  const LocalBox local = local_box(term, box);
+  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+    const IntegralBound b = integral_bound(term, kernel, primitive, local);
+    TermBound out;
+    std::array<Interval, 3> gradient = ball({}, b.slope);
+    if (b.taylor) {
+      const std::array<Interval, 3> near = ball(b.center.gradient, b.hessian * local.radius);
+      for (std::size_t i = 0; i < 3; ++i) gradient[i] = intersection(gradient[i], near[i]);
+    }
+    if (term.profiles.empty()) {
+      out.taylor = b.taylor;
+      out.range = Interval(term.sign) * b.range;
+      out.center = term.sign * Jet{b.center.value, to_world_gradient(term, b.center.gradient)};
+      out.hessian = b.hessian * local.stretch * local.stretch;
+      out.rounding = b.rounding;
+      for (Interval& component : gradient) component = Interval(term.sign) * component;
+      out.gradient = to_world_gradient(term, gradient);
+      return out;
+    }
+    // A profile has corners: its product with the integral is bounded as a product of ranges.
+    const Interval field =
+        b.taylor ? intersection(b.range, taylor_range(b, local.radius)) : b.range;
+    const WeightBound weight = weight_bound(term, primitive, local);
+    out.range = Interval(term.sign) * weight.w * field;
+    out.hessian = kInfinity;
+    for (std::size_t i = 0; i < 3; ++i) {
+      gradient[i] = Interval(term.sign) * (weight.w * gradient[i] + field * weight.gradient[i]);
+    }
+    out.gradient = to_world_gradient(term, gradient);
+    return out;
+  });
+}
+
+double magnitude_bound(const Term& term, double distance) {
+  const double shrink = term.to_local ? 1 / stretch_bound(inverse(*term.to_local).linear) : 1.0;
+  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+    return largest_weight(term) * derivative_bound(kernel, primitive, 0, distance * shrink);
+  });
+}
+
+double influence_distance(const Term& term, double epsilon) {
+  const double support =
+      std::visit([](const auto& kernel) { return kernel.support(); }, term.kernel);
+  const double stretch = term.to_local ? stretch_bound(inverse(*term.to_local).linear) : 1.0;
+  if (std::isfinite(support)) return support * stretch * (1 + 4 * kEpsilon);
+
+  // Bracket by doubling, then bisect on a logarithmic scale; the outer end is always safe.
+  double outer = 1e-300;
+  for (double d = 1e-12; d < 1e150; d *= 16) {
+    outer = d;
+    if (magnitude_bound(term, d) <= epsilon) break;
+  }
+  if (!(magnitude_bound(term, outer) <= epsilon)) return kInfinity;
+  double inner = outer / 16;
+  for (int i = 0; i < 8; ++i) {
+    const double middle = std::sqrt(inner * outer);
+    (magnitude_bound(term, middle) <= epsilon ? outer : inner) = middle;
+  }
+  return outer;
+}
+
+Aabb skeleton_box(const Term& term) {
+  const Aabb local =
+      std::visit([](const auto& primitive) { return bounds(primitive); }, term.primitive);
+  if (!term.to_local || !local.finite()) return local;
+  const Affine to_world = inverse(*term.to_local);
+  Aabb box;
+  for (int corner = 0; corner < 8; ++corner) box.include(to_world(local.corner(corner)));
+  return box;
+}
+
+}  // namespace cs2mesh

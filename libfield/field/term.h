@@ -1,0 +1,67 @@
+// One summand of a field: f(p) = sign * w(u, v) * I(M^-1 p), with I the convolution of a kernel
+// (its amplitude included) over a primitive, w the product of its strength profiles.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "libfield/base/aabb.h"
+#include "libfield/base/affine.h"
+#include "libfield/base/interval.h"
+#include "libfield/base/jet.h"
+#include "libfield/integral/frames.h"
+#include "libfield/kernel/kernel.h"
+#include "libfield/primitive/primitive.h"
+#include "libfield/profile/profile.h"
+
+namespace cs2mesh {
+
+/// What the closed forms need of a primitive, computed once; alternatives in the order of
+/// Primitive.
+using Frame =
+    std::variant<Point, SegmentFrame<double>, ArcFrame<double>, TriangleFrame<double>, Plane>;
+Frame frame_of(const Primitive& primitive);
+
+/// Kernel and primitive are in scene coordinates, unless `to_local` is set: then in those to which
+/// it maps scene points. Similarities are folded into kernel and primitive instead.
+struct Term {
+  Kernel kernel;
+  Primitive primitive;
+  Frame frame;  ///< frame_of(primitive)
+  std::optional<Affine> to_local;
+  double sign = 1.0;  ///< +1 or -1
+  std::vector<StrengthProfile> profiles;
+  int material = 0;
+};
+
+/// Adds f and its gradient at each point to `sums`.
+void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> sums);
+
+/// What is known of f over a box, rounding of its evaluation included. With p0 the box's centre,
+/// either `taylor` is set and
+///   |f(p) - f0 - g0.(p - p0)| <= 1/2 hessian |p - p0|^2 + rounding, hessian >= |D^2 f| on the box;
+/// or f lies in `range`, which was found to be no wider. Always: each component of the gradient
+/// lies in `gradient`.
+struct TermBound {
+  bool taylor = false;
+  Interval range;
+  Jet center;             ///< f0 and g0, where taylor is set
+  double hessian = 0.0;   ///< infinite where there is no bound
+  double rounding = 0.0;  ///< of f0 against f(p0)
+  std::array<Interval, 3> gradient;
+};
+TermBound bound(const Term& term, const Aabb& box);
+
+/// An upper bound of |f| at every point at least `distance` from the primitive's box.
+double magnitude_bound(const Term& term, double distance);
+
+/// A distance (rounded up) beyond which |f| <= epsilon, measured in scene coordinates from the box
+/// of the primitive. Infinite if there is none.
+double influence_distance(const Term& term, double epsilon);
+
+/// Contains the primitive, in scene coordinates.
+Aabb skeleton_box(const Term& term);
+
+}  // namespace cs2mesh

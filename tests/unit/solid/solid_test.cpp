@@ -1,0 +1,109 @@
+// Hard solids: known distances, bounds that contain.
+#include <gtest/gtest.h>
+
+#include "libfield/base/random.h"
+#include "libfield/solid/make_solid.h"
+
+namespace cs2mesh {
+namespace {
+
+Scene hard_element(ElementKind kind, Primitive skeleton, const Affine& transform = {}) {
+  Scene scene;
+  scene.materials.push_back({});
+  scene.materials[0].radius = 0.5;
+  Element element;
+  element.kind = kind;
+  element.skeleton = skeleton;
+  element.transform = transform;
+  scene.elements.push_back(element);
+  return scene;
+}
+
+MadeSolid solid(const Scene& scene, bool offset = false) {
+  return *make_solid(scene, scene.elements[0], offset);
+}
+
+TEST(Solid, SphereIsTheBall) {
+  const MadeSolid ball = solid(hard_element(ElementKind::sphere, Point{{1, 0, 0}}));
+  EXPECT_DOUBLE_EQ(ball.surface->value({1, 0.25, 0}), 0.25);
+  EXPECT_DOUBLE_EQ(ball.surface->value({1, 0, -0.75}), -0.25);
+  EXPECT_FALSE(ball.creased);
+}
+
+TEST(Solid, CylinderHasFlatLids) {
+  const Scene scene = hard_element(ElementKind::cylinder, Segment{{0, 0, 0}, {0, 0, 2}});
+  for (const bool offset : {false, true}) {
+    const MadeSolid can = solid(scene, offset);
+    EXPECT_TRUE(can.creased);
+    EXPECT_NEAR(can.surface->value({0, 0, 2}), 0, 1e-15);
+    EXPECT_NEAR(can.surface->value({0.49, 0, 2.25}), -0.25, 1e-12);
+    EXPECT_NEAR(can.surface->value({0.5, 0, 1}), 0, 1e-15);
+    EXPECT_TRUE(can.surface->bounds().contains(Vec3d{0.5, 0, 2}));
+    EXPECT_TRUE(can.surface->bounds().finite());
+  }
+}
+
+TEST(Solid, ArcsEndFlatAndTheirOffsetsRound) {
+  for (const double width : {90.0, 270.0}) {
+    const Scene scene = hard_element(ElementKind::arc, make_arc({0, 0, 0}, 2, {0, 0, 1}, 0, width));
+    const Vec3d before_start{2, -0.25, 0};
+    EXPECT_LT(solid(scene).surface->value(before_start), 0) << width;
+    EXPECT_GT(solid(scene, true).surface->value(before_start), 0) << width;
+    EXPECT_GT(solid(scene).surface->value({2, 0.25, 0}), 0) << width;
+  }
+  const Scene ring = hard_element(ElementKind::arc, make_arc({0, 0, 0}, 2, {0, 0, 1}, 0, 360));
+  EXPECT_FALSE(solid(ring).creased);
+  EXPECT_GT(solid(ring).surface->value({2, -0.25, 0}), 0);
+}
+
+TEST(Solid, HardPlaneIsTheHalfSpaceBelow) {
+  const MadeSolid ground = solid(hard_element(ElementKind::plane, Plane{{0, 0, 1}, {0, 0, 1}}));
+  EXPECT_GT(ground.surface->value({5, 5, 0}), 0);
+  EXPECT_LT(ground.surface->value({5, 5, 2}), 0);
+  EXPECT_EQ(ground.surface->bounds().max.z, 1);
+  EXPECT_FALSE(ground.surface->bounds().finite());
+}
+
+TEST(Solid, BoundsContainWhatIsSampled) {
+  const Affine skew = Affine::rotate({1, 1, 0}, 40) * Affine::scale({0.5, 2, -1});
+  const std::vector<Scene> scenes = {
+      hard_element(ElementKind::sphere, Point{{1, 0, 0}}, skew),
+      hard_element(ElementKind::cylinder, Segment{{0, 0, 0}, {0, 1, 2}}, skew),
+      hard_element(ElementKind::arc, make_arc({0, 0, 0}, 1, {0, 0, 1}, 20, 100), skew),
+      hard_element(ElementKind::arc, make_arc({0, 0, 0}, 1, {0, 0, 1}, 20, 300)),
+      hard_element(ElementKind::plane, Plane{{0, 0, 1}, {0, 0, 1}}, skew),
+      hard_element(ElementKind::triangle, Triangle{{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, skew)};
+  Random random(1);
+  for (std::size_t which = 0; which < scenes.size(); ++which) {
+    const bool offset = scenes[which].elements[0].kind == ElementKind::triangle;
+    const auto surface = solid(scenes[which], offset).surface;
+    for (int trial = 0; trial < 400; ++trial) {
+      const double size = std::pow(10.0, random.uniform(-2, 0));
+      const Vec3d corner{random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 3)};
+      const Aabb box{corner, corner + Vec3d{size, size, size}};
+      const auto part = surface->restrict_to(box);
+      const auto gradient = surface->enclose_gradient(box);
+      const double hessian = surface->derivative_bound(2, box);
+      const Jet first = surface->jet(box.center());
+      for (int sample = 0; sample < 12; ++sample) {
+        const Vec3d p = corner + size * Vec3d{random.uniform(), random.uniform(), random.uniform()};
+        const Jet jet = surface->jet(p);
+        EXPECT_EQ(jet.value, part->value(p));
+        ASSERT_TRUE(surface->enclose(box).contains(jet.value)) << which;
+        EXPECT_LE(norm(jet.gradient), surface->derivative_bound(1, box) * (1 + 1e-12));
+        EXPECT_LE(norm(jet.gradient - first.gradient),
+                  hessian * norm(p - box.center()) * (1 + 1e-9) + 1e-12)
+            << which;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          EXPECT_TRUE(widened(gradient[axis], 1e-12).contains(jet.gradient[axis])) << which;
+        }
+        if (jet.value >= 0) {
+          EXPECT_TRUE(surface->bounds().grown(1e-12).contains(p));
+        }
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace cs2mesh
