@@ -24,6 +24,10 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// A division takes at least an eighth off, so that the stack is never higher than
+/// log(length / shortest) / log(8/7), which is less than 280 for doubles.
+constexpr std::size_t kDeepest = 288;
+
 /// A place on the ray, evaluated or not.
 struct Node {
   double t = 0.0;
@@ -39,6 +43,7 @@ bool is_inside(const Node& node) {
 struct SlopeBound {
   double M = kInfinity;
   Interval slope = Interval::everything();
+  double h = kInfinity;  ///< length of the piece that it was made for
 
   bool second_order() const { return std::isfinite(M); }
 };
@@ -55,24 +60,26 @@ class Search {
  private:
   struct Piece {
     Node a, b;
+    SlopeBound bound;  ///< that of a longer piece holds as well
     double h() const { return b.t - a.t; }
   };
 
   bool prepare(double t0, double t1);
   void settle(Piece piece);
-  void settle_from_ends(const Piece& piece, const SlopeBound& bound);
-  void add_hit(const Piece& bracket, const SlopeBound& bound);
+  void settle_unknown(Piece& piece);
+  bool settle_from_ends(const Piece& piece);
+  void add_hit(const Piece& bracket);
   void add_undecided(Piece piece);
   void flush_undecided();
   void divide(const Piece& piece, double t);
-  double place_to_divide(const Piece& piece, const SlopeBound& bound) const;
+  double place_to_divide(const Piece& piece) const;
 
   void evaluate(Node& node);
   void evaluate_ends(Piece& piece);
   Interval enclose(const Aabb& box);
-  SlopeBound bound_slope(const Aabb& box);
+  void bound_slope(Piece& piece, const Aabb& box);
   Aabb box_of(const Piece& piece) const;
-  RayHit polish(Piece bracket, const SlopeBound& bound);
+  RayHit polish(Piece bracket);
 
   /// A value this near to 0 has no certain sign.
   double noise() const { return 64.0 * kEpsilon * scale_ + options_.value_error; }
@@ -97,10 +104,7 @@ class Search {
   double accuracy_ = 0.0;
   double scale_ = 0.0;  // largest |F| met
 
-  // Pieces still to be settled, the nearest on top. A division takes at least an eighth off, so
-  // that the depth is bounded by log(length / shortest) / log(8/7), less than 280 for doubles.
-  std::array<Piece, 288> stack_;
-  std::size_t depth_ = 0;
+  std::vector<Piece> stack_;  // still to be settled, the nearest on top
 
   std::optional<Piece> undecided_;
   std::vector<RayHit>* hits_ = nullptr;
@@ -118,9 +122,9 @@ void Search::evaluate(Node& node) {
 void Search::evaluate_ends(Piece& piece) {
   evaluate(piece.a);
   evaluate(piece.b);
-  if (depth_ == 0) return;
+  if (stack_.empty()) return;
   // The next piece starts where this one ends.
-  Piece& next = stack_[depth_ - 1];
+  Piece& next = stack_.back();
   if (is_undecided(piece.b)) {
     // A division fell on a root: step back to where F has a sign, if that is near.
     const double step = 8.0 * noise() / std::abs(piece.b.f.slope);
@@ -146,11 +150,15 @@ Interval Search::enclose(const Aabb& box) {
   return surface_.enclose(box);
 }
 
-SlopeBound Search::bound_slope(const Aabb& box) {
-  SlopeBound bound;
+void Search::bound_slope(Piece& piece, const Aabb& box) {
+  // A bound costs several jets; that of a piece not three times as long will do.
+  SlopeBound& bound = piece.bound;
+  if (bound.second_order() && 3.0 * piece.h() > bound.h) return;
   ++cost_.bounds;
+  bound = {};
+  bound.h = piece.h();
   bound.M = surface_.derivative_bound(2, box);
-  if (bound.second_order()) return bound;
+  if (bound.second_order()) return;
   bound.M = kInfinity;
 
   ++cost_.bounds;
@@ -163,7 +171,6 @@ SlopeBound Search::bound_slope(const Aabb& box) {
     bound.slope = {std::max(bound.slope.lo, -lipschitz), std::min(bound.slope.hi, lipschitz)};
   }
   if (!(bound.slope.lo <= bound.slope.hi)) bound.slope = Interval::everything();
-  return bound;
 }
 
 /// True if jets at the ends could prove nothing, whatever they are, |F| being at most `most`: then
@@ -178,32 +185,40 @@ bool jets_are_useless(const SlopeBound& bound, double h, double most) {
 }
 
 void Search::settle(Piece piece) {
-  if (spent() || depth_ + 2 > stack_.size()) {
-    add_undecided(piece);
-    return;
-  }
-  const Aabb box = box_of(piece);
-  const Interval range = enclose(box);
-  if (range.lo > options_.value_error || range.hi < -options_.value_error) {
-    flush_undecided();
-    return;
-  }
   const double middle = 0.5 * (piece.a.t + piece.b.t);
-  if (piece.h() <= shortest(middle)) {
-    add_undecided(piece);
-    return;
-  }
-  const SlopeBound bound = bound_slope(box);
-  if (!(piece.a.known && piece.b.known) &&
-      jets_are_useless(bound, piece.h(), std::max(std::abs(range.lo), std::abs(range.hi)))) {
-    divide(piece, middle);
-    return;
-  }
-  evaluate_ends(piece);
-  settle_from_ends(piece, bound);
+  if (spent() || stack_.size() >= kDeepest) return add_undecided(piece);
+  if (!piece.a.known || !piece.b.known) return settle_unknown(piece);
+
+  // Jets at both ends: they may do with the bound at hand, or else with a tighter one.
+  if (piece.bound.second_order() && settle_from_ends(piece)) return;
+  if (piece.h() <= shortest(middle)) return add_undecided(piece);
+  const double M = piece.bound.M;
+  bound_slope(piece, box_of(piece));
+  if ((piece.bound.M < M || !piece.bound.second_order()) && settle_from_ends(piece)) return;
+  divide(piece, place_to_divide(piece));
 }
 
-void Search::settle_from_ends(const Piece& piece, const SlopeBound& bound) {
+/// For a piece that has not been evaluated at both ends.
+void Search::settle_unknown(Piece& piece) {
+  const Aabb box = box_of(piece);
+  const Interval range = enclose(box);
+  if (scale_ == 0.0 && std::isfinite(range.lo)) scale_ = std::abs(range.lo);
+  if (range.lo > options_.value_error || range.hi < -options_.value_error) {
+    return flush_undecided();
+  }
+  const double middle = 0.5 * (piece.a.t + piece.b.t);
+  if (piece.h() <= shortest(middle)) return add_undecided(piece);
+  bound_slope(piece, box);
+  if (jets_are_useless(piece.bound, piece.h(), std::max(std::abs(range.lo), std::abs(range.hi)))) {
+    return divide(piece, middle);
+  }
+  evaluate_ends(piece);
+  if (!settle_from_ends(piece)) divide(piece, place_to_divide(piece));
+}
+
+/// What the jets at both ends prove. True if the piece needs no more work.
+bool Search::settle_from_ends(const Piece& piece) {
+  const SlopeBound& bound = piece.bound;
   const double h = piece.h();
   const EndJet& a = piece.a.f;
   const EndJet& b = piece.b.f;
@@ -213,33 +228,27 @@ void Search::settle_from_ends(const Piece& piece, const SlopeBound& bound) {
   if (undecided_a && undecided_b && sag <= noise()) {
     // All of F here is rounding; smaller pieces would tell no more.
     add_undecided(piece);
-    return;
+    return true;
   }
   const bool monotone = bound.second_order() ? is_monotone(a.slope, b.slope, h, bound.M)
                                              : bound.slope.lo > 0.0 || bound.slope.hi < 0.0;
-  if (monotone && !undecided_a && !undecided_b) {
-    flush_undecided();
-    if (is_inside(piece.a) != is_inside(piece.b)) add_hit(piece, bound);
-    return;
-  }
   if (monotone) {
-    // Only near an end without a sign can there be doubt.
-    divide(piece, piece.a.t + (!undecided_a ? 0.875 : !undecided_b ? 0.125 : 0.5) * h);
-    return;
+    // Near an end without a sign there is doubt still.
+    if (undecided_a || undecided_b) return false;
+    flush_undecided();
+    if (is_inside(piece.a) != is_inside(piece.b)) add_hit(piece);
+    return true;
   }
-  if (is_inside(piece.a) == is_inside(piece.b)) {
-    const double sign = is_inside(piece.a) ? 1.0 : -1.0;
-    const EndJet ua{sign * a.value, sign * a.slope};
-    const EndJet ub{sign * b.value, sign * b.slope};
-    const Interval slope = sign > 0.0 ? bound.slope : -bound.slope;
-    const double least =
-        bound.second_order() ? least_value(ua, ub, h, bound.M) : least_value(ua, ub, h, slope);
-    if (least > noise()) {
-      flush_undecided();
-      return;
-    }
-  }
-  divide(piece, place_to_divide(piece, bound));
+  if (is_inside(piece.a) != is_inside(piece.b)) return false;
+  const double sign = is_inside(piece.a) ? 1.0 : -1.0;
+  const EndJet ua{sign * a.value, sign * a.slope};
+  const EndJet ub{sign * b.value, sign * b.slope};
+  const Interval slope = sign > 0.0 ? bound.slope : -bound.slope;
+  const double least =
+      bound.second_order() ? least_value(ua, ub, h, bound.M) : least_value(ua, ub, h, slope);
+  if (!(least > noise())) return false;
+  flush_undecided();
+  return true;
 }
 
 /// Where the cubic through both jets has its minimum, as a distance from a; NaN if nowhere inside.
@@ -257,8 +266,13 @@ double cubic_minimum(const EndJet& a, const EndJet& b, double h) {
   return x > 0.0 && x < 1.0 ? x * h : std::numeric_limits<double>::quiet_NaN();
 }
 
-double Search::place_to_divide(const Piece& piece, const SlopeBound& bound) const {
+double Search::place_to_divide(const Piece& piece) const {
   const double h = piece.h();
+  const SlopeBound& bound = piece.bound;
+  // Next to a root the doubt is about that end alone.
+  if (is_undecided(piece.a) != is_undecided(piece.b)) {
+    return piece.a.t + (is_undecided(piece.b) ? 0.875 : 0.125) * h;
+  }
   const double sign_a = is_inside(piece.a) ? 1.0 : -1.0;
   const double sign_b = is_inside(piece.b) ? 1.0 : -1.0;
   const EndJet ua{sign_a * piece.a.f.value, sign_a * piece.a.f.slope};
@@ -283,8 +297,10 @@ double Search::place_to_divide(const Piece& piece, const SlopeBound& bound) cons
 void Search::divide(const Piece& piece, double t) {
   Node middle;
   middle.t = t;
-  stack_[depth_++] = {middle, piece.b};
-  stack_[depth_++] = {piece.a, middle};
+  Piece first{piece.a, middle, piece.bound};
+  stack_.push_back({middle, piece.b, piece.bound});
+  if (piece.a.known && piece.b.known) evaluate_ends(first);
+  stack_.push_back(first);
 }
 
 /// The argument at which the function with jets at x and y takes the value 0, by inverse cubic
@@ -297,7 +313,8 @@ double inverse_cubic_root(const Node& x, const Node& y) {
          s * r * d * (r / x.f.slope - s / y.f.slope);
 }
 
-RayHit Search::polish(Piece bracket, const SlopeBound& bound) {
+RayHit Search::polish(Piece bracket) {
+  const SlopeBound& bound = bracket.bound;
   RayHit hit{0.5 * (bracket.a.t + bracket.b.t), 0.5 * bracket.h(), RayStatus::hit,
              is_inside(bracket.b)};
   Node last = bracket.a;
@@ -349,8 +366,8 @@ RayHit Search::polish(Piece bracket, const SlopeBound& bound) {
   return hit;
 }
 
-void Search::add_hit(const Piece& bracket, const SlopeBound& bound) {
-  RayHit hit = polish(bracket, bound);
+void Search::add_hit(const Piece& bracket) {
+  RayHit hit = polish(bracket);
   hit.t_error += position_error(hit.t);
   hits_->push_back(hit);
 }
@@ -409,12 +426,13 @@ void Search::run(double t0, double t1, bool first_only, std::vector<RayHit>& hit
   Piece whole;
   whole.a.t = t0_;
   whole.b.t = t1_;
-  const Interval range = enclose(box_of(whole));
-  if (range.lo > options_.value_error || range.hi < -options_.value_error) return;
-  if (std::isfinite(range.lo)) scale_ = std::abs(range.lo);
-
-  stack_[depth_++] = whole;
-  while (depth_ > 0 && !(first_only && !hits.empty())) settle(stack_[--depth_]);
+  stack_.reserve(32);
+  stack_.push_back(whole);
+  while (!stack_.empty() && !(first_only && !hits.empty())) {
+    const Piece next = stack_.back();
+    stack_.pop_back();
+    settle(next);
+  }
   if (!(first_only && !hits.empty())) flush_undecided();
 }
 
