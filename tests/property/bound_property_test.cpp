@@ -1,0 +1,116 @@
+// Bounds by distance hold everywhere: value, gradient and curvature of the field never exceed them.
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include "libfield/integral/bound.h"
+#include "libfield/integral/integral.h"
+#include "tests/property/random_primitives.h"
+
+namespace cs2mesh {
+namespace {
+
+struct Case {
+  Kernel kernel;
+  Primitive primitive;
+  Vec3d p;
+  double length;  ///< over which the kernel falls
+};
+
+Case random_case(std::uint64_t seed) {
+  Random random(seed);
+  const std::size_t kernel = random.bits() % kAllKernels.size();
+  const std::size_t primitive = random.bits() % testing::kPrimitiveKinds;
+  const double size = testing::log_uniform(random, 0.05, 10.0);
+  const double length = testing::log_uniform(random, 0.05, 3.0);
+  Case c{testing::random_kernel(random, kAllKernels[kernel], length),
+         testing::random_primitive(random, primitive, size),
+         {},
+         length};
+  c.p = testing::random_near(random, c.primitive, size, 3.0 * length);
+  return c;
+}
+
+template <class Test>
+void visit_case(const Case& c, const Test& test) {
+  std::visit(
+      [&](const auto& kernel, const auto& primitive) {
+        using K = std::decay_t<decltype(kernel)>;
+        using P = std::decay_t<decltype(primitive)>;
+        if constexpr (!kDiverges<K, P>) test(kernel, primitive);
+      },
+      c.kernel, c.primitive);
+}
+
+RC_GTEST_PROP(Bound, HoldsAtTheDistanceOfThePoint, (std::uint64_t seed)) {
+  const Case c = random_case(seed);
+  visit_case(c, [&](const auto& kernel, const auto& primitive) {
+    const double d = distance(primitive, c.p) * (1.0 - 1e-12);
+    if (!(d > 1e-4)) return;
+    const Jet jet = integral(kernel, primitive, c.p);
+    RC_ASSERT(jet.value <= derivative_bound(kernel, primitive, 0, d) * (1.0 + 1e-11));
+    RC_ASSERT(norm(jet.gradient) <= derivative_bound(kernel, primitive, 1, d) * (1.0 + 1e-11));
+    // Differences of the gradient along a direction, over points at least d - step away.
+    Random random(seed, 1);
+    const double step = 1e-4 * std::min(d, c.length);
+    const Vec3d direction = random.direction();
+    const Vec3d ahead = integral(kernel, primitive, c.p + step * direction).gradient;
+    const Vec3d behind = integral(kernel, primitive, c.p - step * direction).gradient;
+    const double curvature = norm(ahead - behind) / (2.0 * step);
+    const double noise = 1e-11 * norm(jet.gradient) / step;
+    const double bound = derivative_bound(kernel, primitive, 2, d - step);
+    RC_ASSERT(curvature <= bound * (1.0 + 1e-6) + noise);
+  });
+}
+
+RC_GTEST_PROP(Bound, FallsWithDistance, (std::uint64_t seed)) {
+  const Case c = random_case(seed);
+  Random random(seed, 2);
+  std::visit(
+      [&](const auto& kernel, const auto& primitive) {
+        for (int order = 0; order <= 2; ++order) {
+          const double near = testing::log_uniform(random, 1e-3, 10.0);
+          const double far = near * (1.0 + testing::log_uniform(random, 1e-6, 1.0));
+          RC_ASSERT(derivative_bound(kernel, primitive, order, far) <=
+                    derivative_bound(kernel, primitive, order, near) * (1.0 + 1e-10));
+        }
+      },
+      c.kernel, c.primitive);
+}
+
+RC_GTEST_PROP(Bound, IsAtMostMeasureTimesEnvelope, (std::uint64_t seed)) {
+  const Case c = random_case(seed);
+  visit_case(c, [&](const auto& kernel, const auto& primitive) {
+    for (int order = 0; order <= 2; ++order) {
+      const double d = 0.3 * c.length;
+      const double crude = measure(primitive) * kernel.derivative_envelope(order, d);
+      RC_ASSERT(derivative_bound(kernel, primitive, order, d) <= crude * (1.0 + 1e-10));
+    }
+  });
+}
+
+// Where p is beside the middle of a long segment or over the middle of a large triangle the worst
+// case is attained: the bound is of the size of the field there.
+TEST(Bound, IsTightForLargePrimitives) {
+  const Segment segment{{-50, 0, 0}, {50, 0, 0}};
+  const Triangle triangle{{Vec3d{-50, -30, 0}, Vec3d{50, -30, 0}, Vec3d{0, 60, 0}}};
+  const Arc arc = make_arc({0, 0, 0}, 30.0, {0, 0, 1}, 0.0, 300.0);
+  for (const KernelKind kind : kAllKernels) {
+    const bool inverse_width = kind == KernelKind::cauchy || kind == KernelKind::gaussian;
+    const Kernel kernel = make_kernel(kind, inverse_width ? 1.0 : 2.0, 1.0, 0.0, 0.0);
+    std::visit(
+        [&](const auto& k) {
+          for (const double d : {0.2, 1.0}) {
+            const auto ratio = [&](const auto& primitive, const Vec3d& p) {
+              return derivative_bound(k, primitive, 0, d) / integral(k, primitive, p).value;
+            };
+            EXPECT_LE(ratio(segment, {0, d, 0}), 1.5) << name_of(kind) << " " << d;
+            EXPECT_LE(ratio(triangle, {0, 0, d}), 2.2) << name_of(kind) << " " << d;
+            EXPECT_LE(ratio(arc, middle(arc) + Vec3d{0, 0, d}), 3.0) << name_of(kind) << " " << d;
+          }
+        },
+        kernel);
+  }
+}
+
+}  // namespace
+}  // namespace cs2mesh
