@@ -49,7 +49,14 @@ struct BackwardError {
   double value = 0.0, gradient = 0.0;
 };
 
-inline BackwardError backward_error(const Jet& jet, const Exact& exact) {
+/// What moving the inputs by one part in one makes of value and gradient, to first order:
+/// |gradient| and |Hessian| times the scale that the inputs have.
+struct Conditioning {
+  double slope, curvature;
+};
+
+inline BackwardError backward_error(const Jet& jet, const Exact& exact,
+                                    const Conditioning& conditioning) {
   constexpr double kEpsilon = 2.2e-16;
   const double g[3] = {jet.gradient.x, jet.gradient.y, jet.gradient.z};
   long double size = 0.0L, off = 0.0L;
@@ -57,19 +64,23 @@ inline BackwardError backward_error(const Jet& jet, const Exact& exact) {
     size += exact.gradient[i] * exact.gradient[i];
     off += (g[i] - exact.gradient[i]) * (g[i] - exact.gradient[i]);
   }
-  const double slope = static_cast<double>(std::sqrt(size));
-  const double value_unit =
-      kEpsilon *
-      (exact.condition * static_cast<double>(std::abs(exact.value)) + slope * exact.scale);
-  const double gradient_unit =
-      kEpsilon * (exact.condition * slope + exact.hessian_norm * exact.scale);
-  const auto ratio = [](double error, double unit) {
+  const auto value_size = static_cast<double>(std::abs(exact.value));
+  const auto gradient_size = static_cast<double>(std::sqrt(size));
+  const auto ratio = [&](double error, double exact_size, double moved) {
     // An exact zero, as outside of a support, allows for nothing but zero.
     if (!(error > 1e-300)) return std::isnan(error) ? HUGE_VAL : 0.0;
+    const double unit = kEpsilon * (exact.condition * exact_size + moved);
     return unit > 0.0 ? error / unit : HUGE_VAL;
   };
-  return {ratio(static_cast<double>(std::abs(jet.value - exact.value)), value_unit),
-          ratio(static_cast<double>(std::sqrt(off)), gradient_unit)};
+  return {
+      ratio(static_cast<double>(std::abs(jet.value - exact.value)), value_size, conditioning.slope),
+      ratio(static_cast<double>(std::sqrt(off)), gradient_size, conditioning.curvature)};
+}
+
+inline BackwardError backward_error(const Jet& jet, const Exact& exact) {
+  const auto slope =
+      static_cast<double>(std::hypot(exact.gradient[0], exact.gradient[1], exact.gradient[2]));
+  return backward_error(jet, exact, {slope * exact.scale, exact.hessian_norm * exact.scale});
 }
 
 }  // namespace cs2mesh::reference

@@ -3,7 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <limits>
 #include <numbers>
@@ -13,117 +15,18 @@
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "tests/unit/integral/cases.h"
 #include "tests/unit/integral/wide.h"
 
 namespace cs2mesh {
 namespace {
 
+using cases::ArcCase;
+using cases::SegmentCase;
+using cases::TriangleCase;
+
 constexpr double kLimit = 16.0;
 constexpr int kConfigurations = 600;
-
-double power_of_ten(Random& random, double lo, double hi) {
-  return std::pow(10.0, random.uniform(lo, hi));
-}
-
-/// A size from tiny to huge, a place near or far from the origin, a distance from on the primitive
-/// to far away (in sizes).
-struct Setting {
-  double size, distance, per_width;
-  Vec3d origin;
-
-  explicit Setting(Random& random) {
-    size = power_of_ten(random, -6, 5);
-    origin = (random.uniform() < 0.3 ? 1e6 : 1.0) * size * random.direction();
-    distance = random.uniform() < 0.05 ? 0.0 : size * power_of_ten(random, -8, 4);
-    // Times distances seen: from wide to stiff.
-    per_width = power_of_ten(random, -4, 4) / std::min(size, std::max(distance, 1e-3 * size));
-  }
-};
-
-struct SegmentCase {
-  Segment primitive;
-  Vec3d point;
-  double per_width, scale, condition = 1.0;
-
-  explicit SegmentCase(Random& random) {
-    const Setting setting(random);
-    per_width = setting.per_width;
-    const Vec3d axis = random.direction();
-    primitive = {setting.origin, setting.origin + setting.size * axis};
-    // Along it, at an end, or on its line behind an end.
-    const double choice = random.uniform();
-    const double along = choice < 0.5 ? random.uniform() : choice < 0.75 ? 0.0 : 1.0;
-    const Vec3d away = random.uniform() < 0.3 ? axis : random.direction();
-    point = setting.origin + (setting.size * along) * axis + setting.distance * away;
-    scale = std::max({norm(point - primitive.a), norm(point - primitive.b), setting.size});
-  }
-};
-
-struct ArcCase {
-  Arc primitive;
-  Vec3d point;
-  double per_width, scale, condition = 1.0;
-
-  explicit ArcCase(Random& random) {
-    const Setting setting(random);
-    per_width = setting.per_width;
-    primitive.center = setting.origin;
-    primitive.radius = setting.size;
-    const double kind = random.uniform();
-    primitive.sweep = kind < 0.2   ? 2.0 * std::numbers::pi
-                      : kind < 0.4 ? power_of_ten(random, -7, 0)
-                                   : random.uniform(0.1, 6.2);
-    const Vec3d n = random.direction();
-    primitive.normal = n;
-    primitive.ex = normalized(cross(n, random.direction()));
-    primitive.ey = cross(n, primitive.ex);
-    // Near a point of the arc, near its axis, or opposite to its middle.
-    const double place = random.uniform();
-    const double angle = place < 0.6   ? random.uniform(-0.5, 0.5) * primitive.sweep
-                         : place < 0.8 ? std::numbers::pi
-                                       : random.uniform(-3.1, 3.1);
-    const double radius = random.uniform() < 0.2 ? 0.0 : setting.size;
-    point = setting.origin + (radius * std::cos(angle)) * primitive.ex +
-            (radius * std::sin(angle)) * primitive.ey + setting.distance * random.direction();
-    scale = std::max(norm(point - primitive.center), primitive.radius);
-  }
-};
-
-struct TriangleCase {
-  Triangle primitive;
-  Vec3d point;
-  double per_width, scale, condition;
-
-  explicit TriangleCase(Random& random) {
-    const Setting setting(random);
-    per_width = setting.per_width;
-    const Vec3d along = random.direction();
-    const Vec3d up = normalized(cross(along, random.direction()));
-    const double height = random.uniform() < 0.3 ? power_of_ten(random, -8, -1) : random.uniform();
-    primitive.vertex = {setting.origin, setting.origin + setting.size * along,
-                        setting.origin + (setting.size * random.uniform(0.0, 1.2)) * along +
-                            (setting.size * height) * up};
-    // Near a point of the triangle, of an edge, a vertex; off the plane or in it.
-    double a = random.uniform(), b = random.uniform() * (1.0 - a);
-    if (random.uniform() < 0.3) b = 0.0;
-    if (random.uniform() < 0.2) a = 0.0;
-    const Vec3d& v0 = primitive.vertex[0];
-    const Vec3d normal = normalized(cross(along, up));
-    const Vec3d away = random.uniform() < 0.3   ? normal
-                       : random.uniform() < 0.3 ? normalized(cross(normal, random.direction()))
-                                                : random.direction();
-    point = v0 + a * (primitive.vertex[1] - v0) + b * (primitive.vertex[2] - v0) +
-            setting.distance * away;
-    double longest = 0.0;
-    scale = 0.0;
-    for (std::size_t i = 0; i < 3; ++i) {
-      longest = std::max(longest, norm(primitive.vertex[(i + 1) % 3] - primitive.vertex[i]));
-      scale = std::max(scale, norm(point - primitive.vertex[i]));
-    }
-    scale = std::max(scale, longest);
-    condition = longest * longest / norm(cross(primitive.vertex[1] - v0, primitive.vertex[2] - v0));
-  }
-};
 
 template <class Case, class MakeKernel>
 void expect_exact(const char* name, const MakeKernel& make_kernel) {
@@ -159,15 +62,77 @@ TEST(ClosedForm, CauchyTriangleIsExactForInputsMovedByAFewUlp) {
 }
 
 TEST(ClosedForm, GaussianSegmentIsExactForInputsMovedByAFewUlp) {
-  expect_exact<SegmentCase>("gaussian segment", [](SegmentCase& c) {
-    // Where there is something to compare: neither cut off nor vanished.
-    const double a = std::min(c.per_width, 20.0 / std::max(1e-3 * c.scale, 1e-300));
-    const double u = squared_norm(c.point - 0.5 * (c.primitive.a + c.primitive.b));
-    const double log_amplitude = std::min(500.0, 0.5 * a * a * u);
-    // Its own rounding is an error of the exponent.
-    c.condition = std::max(1.0, log_amplitude);
-    return Gaussian{a, log_amplitude};
-  });
+  expect_exact<SegmentCase>("gaussian segment",
+                            [](SegmentCase& c) { return cases::gaussian_for(c); });
+}
+
+template <class Case, class MakeKernel>
+void expect_gradient_of_value(const MakeKernel& make_kernel) {
+  for (int i = 0; i < 60; ++i) {
+    Random random(11, static_cast<std::uint64_t>(i));
+    Case sample(random);
+    const auto kernel = make_kernel(sample);
+    EXPECT_LT(wide::gradient_mismatch(kernel, sample.primitive, sample.point, sample.scale), 1e-12)
+        << "configuration " << i;
+  }
+}
+
+TEST(ClosedForm, GradientsAreThoseOfTheValues) {
+  const auto cauchy = [](const auto& c) { return Cauchy{c.per_width}; };
+  expect_gradient_of_value<SegmentCase>(cauchy);
+  expect_gradient_of_value<ArcCase>(cauchy);
+  expect_gradient_of_value<TriangleCase>(cauchy);
+  expect_gradient_of_value<SegmentCase>([](SegmentCase& c) { return cases::gaussian_for(c); });
+}
+
+template <class Kernel, class Primitive>
+void expect_finite(const Kernel& kernel, const Primitive& primitive, const Vec3d& point) {
+  const Jet jet = integral(kernel, primitive, point);
+  EXPECT_TRUE(std::isfinite(jet.value) && is_finite(jet.gradient))
+      << point.x << ", " << point.y << ", " << point.z;
+  EXPECT_GE(jet.value, 0.0);
+}
+
+TEST(ClosedForm, FiniteForEveryFinitePoint) {
+  const double greatest = std::numeric_limits<double>::max();
+  const double reaches[] = {0.0,     std::numeric_limits<double>::denorm_min(),
+                            1e-160,  1e-8,
+                            1.0,     2.0,
+                            1e8,     1e77,
+                            1e100,   1e139,
+                            1e141,   1e160,
+                            greatest};
+  const Segment segment{{0, 0, 0}, {2, 0, 0}};
+  const Arc turn{{0, 0, 0}, 1.0, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 2.0 * std::numbers::pi};
+  const Arc bit{{0, 0, 0}, 1.0, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, 1e-9};
+  const Triangle triangle{{Vec3d{0, 0, 0}, {2, 0, 0}, {1, 1, 0}}};
+  const Triangle flat{{Vec3d{0, 0, 0}, {2, 0, 0}, {1, 0, 0}}};
+  const Triangle spot{{Vec3d{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
+  for (const double x : reaches) {
+    for (const double y : reaches) {
+      for (const Vec3d& p : {Vec3d{x, y, 0}, Vec3d{-x, 0, y}, Vec3d{y, -x, -y}, Vec3d{1, x, -x}}) {
+        for (const double width : {1e-20, 1e-3, 1.0, 1e3, 1e20}) {
+          expect_finite(Cauchy{width}, segment, p);
+          expect_finite(Cauchy{width}, turn, p);
+          expect_finite(Cauchy{width}, bit, p);
+          expect_finite(Cauchy{width}, triangle, p);
+          expect_finite(Cauchy{width}, flat, p);
+          expect_finite(Cauchy{width}, spot, p);
+          expect_finite(Gaussian{width, 1e4}, segment, p);
+          expect_finite(Gaussian{width}, Segment{{1, 0, 0}, {1, 0, 0}}, p);
+        }
+      }
+    }
+  }
+}
+
+TEST(ClosedForm, StiffGaussiansDoNotOverflow) {
+  // Blobbiness -1000 at radius 1: the amplitude e^1000 has no double, the field at radius 1 has.
+  const Gaussian kernel{std::sqrt(1000.0), 1000.0};
+  const Segment segment{{-1, 0, 0}, {1, 0, 0}};
+  const Jet jet = integral(kernel, segment, Vec3d{0, 1, 0});
+  EXPECT_NEAR(jet.value, std::sqrt(std::numbers::pi / 1000.0), 1e-12);
+  EXPECT_NEAR(jet.gradient.y, -2000.0 * jet.value, 1e-9);
 }
 
 }  // namespace
