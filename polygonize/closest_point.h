@@ -1,0 +1,65 @@
+// The nearest point of a mesh, and the crossings of a ray with it: a tree of boxes over triangles.
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+/// Queries are in double precision, safe from any number of threads, and depend on the mesh alone.
+/// The tree keeps what it needs of the mesh. Building takes O(n log n).
+class ClosestPoint {
+ public:
+  static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
+
+  explicit ClosestPoint(const TriangleMesh& mesh);
+
+  struct Hit {
+    double distance = std::numeric_limits<double>::infinity();
+    std::uint32_t triangle = kNone;  ///< index in the mesh
+    Vec3d point;                     ///< on the triangle, to rounding
+  };
+
+  /// The nearest point that is closer to `p` than `upper_bound`; triangle kNone and infinite
+  /// distance if there is none. Exact to rounding of the coordinates, also for triangles without
+  /// area. O(log n) near the surface; a good bound makes it faster.
+  Hit nearest(const Vec3d& p, double upper_bound = std::numeric_limits<double>::infinity()) const;
+
+  /// All t in [t0, t1] where origin + t direction meets a triangle, ascending, by the watertight
+  /// test of Woop, Benthin and Wald (2013): a ray cannot slip between two triangles that share an
+  /// edge, but one through the edge itself may give t twice. Triangles seen edge-on are missed.
+  std::vector<double> all_hits(const Vec3d& origin, const Vec3d& direction, double t0,
+                               double t1) const;
+  /// The smallest of them; infinity if there is none.
+  double first_hit(const Vec3d& origin, const Vec3d& direction, double t0, double t1) const;
+
+  /// The triangles so that neighbours in the list are near each other in space.
+  std::span<const std::uint32_t> spatial_order() const { return triangle_of_; }
+
+ private:
+  struct Corners {
+    Vec3d a, b, c;
+  };
+  /// Two children each; a child is a leaf of `count` triangles from `first`, or node `first`.
+  struct Child {
+    Aabb box;
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;  ///< 0 for a node
+  };
+  struct Node {
+    Child child[2];
+  };
+  class Builder;
+  class RayWalk;
+
+  std::vector<Node> nodes_;
+  Child root_;
+  std::vector<Corners> corners_;            ///< in the order of leaves
+  std::vector<std::uint32_t> triangle_of_;  ///< index in the mesh, in the same order
+};
+
+}  // namespace cs2mesh
