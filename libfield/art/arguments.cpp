@@ -56,8 +56,8 @@ void Arguments::fail(const SourceLocation& where, const std::string& message, Fa
 void Arguments::fail_as(const Token& token, std::string_view what) {
   std::vector<std::string_view> candidates;
   if (!looks_like_number(token.text)) candidates = names_of(symbols_->variables);
-  fail(locate(*file_, token), "found " + in_quotes(token.text) + ", expected " + text_of(what) +
-                                  did_you_mean(token.text, candidates));
+  fail(locate(*file_, token), in_quotes(token.text) + " is not a number, expected " +
+                                  text_of(what) + did_you_mean(token.text, candidates));
 }
 
 bool Arguments::expect(std::string_view what) {

@@ -58,12 +58,17 @@ void var(SceneBuilder& builder, Arguments& args) {
     args.fail(where, "found " + in_quotes(name) + ", expected the name of a variable");
   }
   const SourceLocation equals = args.here();
-  if (args.word("'='") != "=") args.fail(equals, "expected '=' behind the name of the variable");
+  const std::string_view sign = args.word("'=' and a value");
+  if (!args.failed() && sign != "=") {
+    args.fail(equals, "found " + in_quotes(sign) + ", expected '=' and a value");
+  }
   Value value = args.failed() ? Value{BrokenValue{}} : read_value(args);
   if (!args.failed() && args.peek() == "hot") args.skip();
   if (!args.finish()) value = BrokenValue{};
   // Known even when it is wrong, so that its uses are not reported too.
-  if (!name.empty()) builder.set_variable(name, std::move(value));
+  if (!name.empty() && builder.has_room_for_name(args, builder.symbols().variables.size())) {
+    builder.set_variable(name, std::move(value));
+  }
 }
 
 }  // namespace cs2mesh::commands

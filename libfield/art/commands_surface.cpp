@@ -166,6 +166,7 @@ void surface(SceneBuilder& builder, Arguments& args) {
   const std::string_view name = args.word("the name of a surface");
   if (name.empty()) return;
   std::vector<Material>& materials = builder.scene().materials;
+  if (!builder.has_room_for_name(args, materials.size())) return;
   Material material;
   if (args.peek() == "=") {
     args.skip();

@@ -112,7 +112,10 @@ void texture(SceneBuilder& builder, Arguments& args) {
   check_layers(args, texture);
   args.finish();
   // Known even when it is wrong, so that its uses are not reported too.
-  if (!name.empty()) builder.symbols().textures.insert_or_assign(std::string(name), texture);
+  NameMap<Texture>& textures = builder.symbols().textures;
+  if (!name.empty() && builder.has_room_for_name(args, textures.size())) {
+    textures.insert_or_assign(std::string(name), texture);
+  }
 }
 
 }  // namespace cs2mesh::commands

@@ -19,7 +19,7 @@ namespace {
 namespace fs = std::filesystem;
 
 // Files that read one another twice each would be read exponentially often: these limits end that.
-constexpr int kMaxFilesRead = 100'000;
+constexpr int kMaxFilesRead = 10'000;
 constexpr std::size_t kMaxTotalFactor = 4;  // of ReadArtOptions::max_file_bytes
 
 /// A file that is being read.

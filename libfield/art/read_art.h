@@ -13,7 +13,8 @@ namespace cs2mesh {
 struct ReadArtOptions {
   /// Variables that win over the scene's own `var` lines of the same name: name -> value text.
   std::map<std::string, std::string> defines;
-  /// Most primitives, files nested, bytes of one file.
+  /// Most primitives (also objects, surfaces, textures and variables, each), files nested, bytes of
+  /// one file.
   std::size_t max_elements = 10'000'000;
   int max_depth = 128;
   std::size_t max_file_bytes = std::size_t{1} << 30;

@@ -251,6 +251,16 @@ void SceneBuilder::clear_model() {
   any_removed_ = false;
 }
 
+bool SceneBuilder::has_room_for_name(Arguments& args, std::size_t used) {
+  if (used < options_.max_elements) return true;
+  args.fail(
+      args.opcode_location(),
+      "too many names, expected at most " + std::to_string(options_.max_elements) + " of a kind",
+      Failure::limit);
+  leave_all = true;
+  return false;
+}
+
 void SceneBuilder::set_variable(std::string_view name, Value value) {
   if (find(locked_, name) == nullptr) {
     symbols_.variables.insert_or_assign(std::string(name), std::move(value));

@@ -62,6 +62,8 @@ class SceneBuilder {
   void remove(Arguments& args, int object);
   /// Forgets all primitives and objects; none is open.
   void clear_model();
+  /// Whether one more surface, texture or variable fits; fails with Failure::limit if not.
+  bool has_room_for_name(Arguments& args, std::size_t used);
   /// Gives a variable its value, unless it was given one that wins over the scene's.
   void set_variable(std::string_view name, Value value);
   /// From now on the variables that there are keep their values.
