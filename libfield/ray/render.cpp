@@ -8,13 +8,18 @@
 #include <limits>
 #include <vector>
 
+#include "libfield/ray/beam.h"
 #include "libfield/ray/shading.h"
 
 namespace cs2mesh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr int kTile = 16;
+constexpr int kTile = 16;  // pixels a side that one thread does
+constexpr int kCell = 4;   // pixels a side that are cleared of empty space together, at last
+
+/// For each part, where rays can meet it.
+using Occupancy = std::vector<std::vector<RayRange>>;
 
 /// The surface that a ray meets first.
 struct Sight {
@@ -35,12 +40,16 @@ class Tracer {
     Vec3d normal;
     std::uint64_t jets = 0;
   };
-  Sample trace(const Ray& ray, RenderStatistics& statistics) const;
+  /// What the beam meets within `known`; nothing is known at first.
+  Occupancy occupancy(const Beam& beam, const Occupancy& known, RenderStatistics& statistics) const;
+  Occupancy nothing_known() const { return Occupancy(compiled_.parts.size(), {{0.0, kInfinity}}); }
+  /// The ray belongs to the beam of that occupancy.
+  Sample trace(const Ray& ray, const Occupancy& occupancy, RenderStatistics& statistics) const;
 
  private:
-  Sight look(const Ray& ray, double t1, const RaySolverOptions& solver, RayCost& cost,
+  Sight look(const Ray& ray, const Occupancy& occupancy, RayCost& cost,
              std::uint64_t& uncertain) const;
-  std::optional<RayHit> meet(const ImplicitSurface& surface, const Ray& ray, double t1,
+  std::optional<RayHit> meet(const ImplicitSurface& surface, const Ray& ray, RayRange range,
                              const RaySolverOptions& solver, RayCost& cost,
                              std::uint64_t& uncertain) const;
   bool in_shadow(const Vec3d& point, const Vec3d& light, RenderStatistics& statistics) const;
@@ -69,33 +78,48 @@ Tracer::Tracer(const CompiledScene& compiled, const Scene& scene, const View& vi
 
 /// The first crossing. Uncertain places are counted and passed over, unless what follows is a way
 /// out: then the way in was there.
-std::optional<RayHit> Tracer::meet(const ImplicitSurface& surface, const Ray& ray, double t1,
+std::optional<RayHit> Tracer::meet(const ImplicitSurface& surface, const Ray& ray, RayRange range,
                                    const RaySolverOptions& solver, RayCost& cost,
                                    std::uint64_t& uncertain) const {
-  double t0 = 0.0;
   std::optional<RayHit> doubtful;
   for (int places = 0; places < 16; ++places) {
-    const RayHit hit = first_hit(surface, ray, t0, t1, solver, &cost);
+    const RayHit hit = first_hit(surface, ray, range.t0, range.t1, solver, &cost);
     if (hit.status == RayStatus::miss) return std::nullopt;
     if (hit.status == RayStatus::hit) return doubtful && !hit.entering ? doubtful : hit;
     ++uncertain;
     doubtful = hit;
     const double next = hit.t + hit.t_error;
-    if (!std::isfinite(next) || !(next > t0) || !(next < t1)) return std::nullopt;
-    t0 = next;
+    if (!std::isfinite(next) || !(next > range.t0) || !(next < range.t1)) return std::nullopt;
+    range.t0 = next;
   }
   return std::nullopt;
 }
 
-Sight Tracer::look(const Ray& ray, double t1, const RaySolverOptions& solver, RayCost& cost,
+Occupancy Tracer::occupancy(const Beam& beam, const Occupancy& known,
+                            RenderStatistics& statistics) const {
+  Occupancy occupancy;
+  for (std::size_t i = 0; i < compiled_.parts.size(); ++i) {
+    occupancy.push_back(
+        occupied_ranges(*compiled_.parts[i].surface, beam, known[i], &statistics.beam_cost));
+  }
+  return occupancy;
+}
+
+Sight Tracer::look(const Ray& ray, const Occupancy& occupancy, RayCost& cost,
                    std::uint64_t& uncertain) const {
   Sight sight;
-  for (const Part& part : compiled_.parts) {
-    const std::optional<RayHit> hit = meet(*part.surface, ray, t1, solver, cost, uncertain);
-    // Where two parts agree to rounding the first in the scene is seen.
-    if (!hit || hit->t >= sight.t) continue;
-    sight = {&part, hit->t, hit->t_error};
-    t1 = hit->t;
+  for (std::size_t i = 0; i < compiled_.parts.size(); ++i) {
+    const Part& part = compiled_.parts[i];
+    for (RayRange range : occupancy[i]) {
+      range.t1 = std::min(range.t1, sight.t);
+      if (range.empty()) break;
+      const std::optional<RayHit> hit =
+          meet(*part.surface, ray, range, options_.solver, cost, uncertain);
+      if (!hit) continue;
+      // Where two parts agree to rounding the first in the scene is seen.
+      if (hit->t < sight.t) sight = {&part, hit->t, hit->t_error};
+      break;
+    }
   }
   return sight;
 }
@@ -110,7 +134,7 @@ bool Tracer::in_shadow(const Vec3d& point, const Vec3d& light, RenderStatistics&
   solver.accuracy = 1e-6 * size_;
   const Ray ray{point, way / distance};
   for (const Part& part : compiled_.parts) {
-    if (meet(*part.surface, ray, distance, solver, statistics.shadow_cost,
+    if (meet(*part.surface, ray, {0.0, distance}, solver, statistics.shadow_cost,
              statistics.shadow_uncertain)) {
       return true;
     }
@@ -142,9 +166,10 @@ Vec3d shown(const Vec3d& color) {
   return {channel(color.x), channel(color.y), channel(color.z)};
 }
 
-Tracer::Sample Tracer::trace(const Ray& ray, RenderStatistics& statistics) const {
+Tracer::Sample Tracer::trace(const Ray& ray, const Occupancy& occupancy,
+                             RenderStatistics& statistics) const {
   RayCost cost;
-  const Sight sight = look(ray, kInfinity, options_.solver, cost, statistics.uncertain);
+  const Sight sight = look(ray, occupancy, cost, statistics.uncertain);
   Sample sample;
   sample.jets = cost.jets;
   if (!sight.part) {
@@ -170,28 +195,27 @@ Tracer::Sample Tracer::trace(const Ray& ray, RenderStatistics& statistics) const
 /// The picture cut into squares, each done by one thread.
 class Tiles {
  public:
-  Tiles(int width, int height, Progress* progress)
-      : width_(width),
+  Tiles(const Tracer& tracer, const View& view, int width, int height, Progress* progress)
+      : tracer_(tracer),
+        view_(view),
+        width_(width),
         height_(height),
         columns_((width + kTile - 1) / kTile),
         rows_((height + kTile - 1) / kTile),
         progress_(progress) {}
 
-  /// Calls pixel(x, y, statistics) for every pixel. False if cancelled.
-  template <class Pixel>
-  bool for_each_pixel(const char* stage, RenderStatistics& sum, const Pixel& pixel) const {
+  /// Calls pixel(x, y, occupancy, statistics) for every pixel that is `wanted`. False if cancelled.
+  template <class Wanted, class Pixel>
+  bool for_each_pixel(const char* stage, RenderStatistics& sum, const Wanted& wanted,
+                      const Pixel& pixel) const {
     const int count = columns_ * rows_;
     std::vector<RenderStatistics> by_tile(static_cast<std::size_t>(count));
     std::atomic<int> done{0};
     std::atomic<bool> cancelled{false};
     tbb::parallel_for(0, count, [&](int tile) {
       if (cancelled.load(std::memory_order_relaxed)) return;
-      const int x0 = tile % columns_ * kTile;
-      const int y0 = tile / columns_ * kTile;
-      RenderStatistics& statistics = by_tile[static_cast<std::size_t>(tile)];
-      for (int y = y0; y < std::min(height_, y0 + kTile); ++y) {
-        for (int x = x0; x < std::min(width_, x0 + kTile); ++x) pixel(x, y, statistics);
-      }
+      const Rectangle rectangle = cut(tile % columns_ * kTile, tile / columns_ * kTile, kTile);
+      do_tile(rectangle, by_tile[static_cast<std::size_t>(tile)], wanted, pixel);
       const int finished = ++done;
       if (!progress_) return;
       progress_->report(stage, static_cast<double>(finished) / count);
@@ -202,6 +226,44 @@ class Tiles {
   }
 
  private:
+  /// The pixels [x0, x1) x [y0, y1).
+  struct Rectangle {
+    int x0, y0, x1, y1;
+  };
+  Rectangle cut(int x, int y, int size) const {
+    return {x, y, std::min(width_, x + size), std::min(height_, y + size)};
+  }
+
+  Occupancy occupancy(const Rectangle& r, const Occupancy& known,
+                      RenderStatistics& statistics) const {
+    const double w = width_;
+    const double h = height_;
+    const Beam beam(view_, r.x0 / w, r.y0 / h, r.x1 / w, r.y1 / h);
+    return tracer_.occupancy(beam, known, statistics);
+  }
+
+  template <class Wanted, class Pixel>
+  void do_tile(const Rectangle& tile, RenderStatistics& statistics, const Wanted& wanted,
+               const Pixel& pixel) const {
+    std::optional<Occupancy> of_tile;
+    for (int v = tile.y0; v < tile.y1; v += kCell) {
+      for (int u = tile.x0; u < tile.x1; u += kCell) {
+        const Rectangle cell = cut(u, v, kCell);
+        std::optional<Occupancy> of_cell;
+        for (int y = cell.y0; y < cell.y1; ++y) {
+          for (int x = cell.x0; x < cell.x1; ++x) {
+            if (!wanted(x, y)) continue;
+            if (!of_tile) of_tile = occupancy(tile, tracer_.nothing_known(), statistics);
+            if (!of_cell) of_cell = occupancy(cell, *of_tile, statistics);
+            pixel(x, y, *of_cell, statistics);
+          }
+        }
+      }
+    }
+  }
+
+  const Tracer& tracer_;
+  const View& view_;
   int width_, height_, columns_, rows_;
   Progress* progress_;
 };
@@ -259,6 +321,7 @@ RenderStatistics& RenderStatistics::operator+=(const RenderStatistics& other) {
   hit_cost += other.hit_cost;
   miss_cost += other.miss_cost;
   shadow_cost += other.shadow_cost;
+  beam_cost += other.beam_cost;
   return *this;
 }
 
@@ -271,7 +334,7 @@ Result<RenderedImage> render(const CompiledScene& compiled, const Scene& scene,
                         ? *options.view
                         : make_view(scene.camera, compiled.extent, frame.width, frame.height);
   const Tracer tracer(compiled, scene, view, options);
-  const Tiles tiles(frame.width, frame.height, options.progress);
+  const Tiles tiles(tracer, view, frame.width, frame.height, options.progress);
   const auto interrupted = [] {
     return error_at({}, "interrupted while rendering", Failure::interrupted);
   };
@@ -282,31 +345,32 @@ Result<RenderedImage> render(const CompiledScene& compiled, const Scene& scene,
   if (options.depth) image.depth = ScalarImage(frame.width, frame.height);
   if (options.normal) image.normal = ColorImage(frame.width, frame.height);
   if (options.cost) image.cost = ScalarImage(frame.width, frame.height);
-  const auto center = [&](int x, int y, RenderStatistics& statistics) {
-    const Tracer::Sample sample =
-        tracer.trace(view.ray((x + 0.5) / frame.width, (y + 0.5) / frame.height), statistics);
+  const auto all = [](int, int) { return true; };
+  const auto center = [&](int x, int y, const Occupancy& occupancy, RenderStatistics& statistics) {
+    const Ray ray = view.ray((x + 0.5) / frame.width, (y + 0.5) / frame.height);
+    const Tracer::Sample sample = tracer.trace(ray, occupancy, statistics);
     image.color.at(x, y) = Vec3<float>(sample.color);
     if (options.depth) image.depth.at(x, y) = static_cast<float>(sample.depth);
     if (options.normal) image.normal.at(x, y) = Vec3<float>(sample.normal);
     if (options.cost) image.cost.at(x, y) = static_cast<float>(sample.jets);
   };
-  if (!tiles.for_each_pixel("render", image.statistics, center)) return interrupted();
+  if (!tiles.for_each_pixel("render", image.statistics, all, center)) return interrupted();
   if (frame.samples == 1) return image;
 
   // More rays where a pixel stands out, judged by the first ones alone so that order is no matter.
   const ColorImage first = image.color;
   const int n = frame.samples;
-  const auto refine = [&](int x, int y, RenderStatistics& statistics) {
-    if (!stands_out(first, x, y, options.contrast)) return;
+  const auto edge = [&](int x, int y) { return stands_out(first, x, y, options.contrast); };
+  const auto refine = [&](int x, int y, const Occupancy& occupancy, RenderStatistics& statistics) {
     Vec3d sum;
     for (int k = 0; k < n * n; ++k) {
       const double u = (x + (k % n + 0.5) / n) / frame.width;
       const double v = (y + (k / n + 0.5) / n) / frame.height;
-      sum += tracer.trace(view.ray(u, v), statistics).color;
+      sum += tracer.trace(view.ray(u, v), occupancy, statistics).color;
     }
     image.color.at(x, y) = Vec3<float>(sum / static_cast<double>(n * n));
   };
-  if (!tiles.for_each_pixel("refine edges", image.statistics, refine)) return interrupted();
+  if (!tiles.for_each_pixel("refine edges", image.statistics, edge, refine)) return interrupted();
   return image;
 }
 
