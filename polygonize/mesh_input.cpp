@@ -151,7 +151,7 @@ std::string_view TextCursor::word_of_any_line() {
   }
 }
 
-std::optional<double> parse_number(std::string_view word) {
+std::optional<double> read_decimal(std::string_view word) {
   if (word.size() > 1 && word[0] == '+' && word[1] != '-') word.remove_prefix(1);
   double value = 0;
   const char* end = word.data() + word.size();

@@ -44,7 +44,7 @@ class TextCursor {
 
 /// Decimal numbers, independent of the locale; the whole word must be one. A leading + is allowed;
 /// what is too small for a double is 0, what is too large or no number is nothing.
-std::optional<double> parse_number(std::string_view word);
+std::optional<double> read_decimal(std::string_view word);
 std::optional<std::int64_t> parse_integer(std::string_view word);
 
 /// Little-endian or big-endian numbers out of a block of bytes.

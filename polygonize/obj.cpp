@@ -137,7 +137,7 @@ class ObjReader {
   bool numbers(int count, double* out) {
     for (int i = 0; i < count; ++i) {
       const std::string_view word = cursor_.word();
-      const std::optional<double> value = parse_number(word);
+      const std::optional<double> value = read_decimal(word);
       if (!value) {
         return fail(word.empty()
                         ? "a coordinate is missing"
@@ -157,7 +157,7 @@ class ObjReader {
     double color[3];
     int count = 0;
     while (count < 3) {
-      const std::optional<double> value = parse_number(cursor_.word());
+      const std::optional<double> value = read_decimal(cursor_.word());
       if (!value) break;
       color[count++] = srgb_to_linear(*value);
     }

@@ -57,7 +57,7 @@ class OffReader {
       std::string_view word = first_word_of_next_line(cursor_);
       Vec3d p;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::optional<double> value = parse_number(word);
+        const std::optional<double> value = read_decimal(word);
         if (!value) return fail("a vertex needs three finite numbers");
         p[axis] = *value;
         if (axis < 2) word = cursor_.word();

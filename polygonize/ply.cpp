@@ -106,7 +106,7 @@ class NumberSource {
 
   bool next(Type type, double& out) {
     if (format_ == Header::Format::ascii) {
-      const std::optional<double> value = parse_number(cursor_.word_of_any_line());
+      const std::optional<double> value = read_decimal(cursor_.word_of_any_line());
       if (value) out = *value;
       return value.has_value();
     }

@@ -85,7 +85,7 @@ Result<Model> read_ascii(std::string_view text, const std::string& file) {
       if (model.parts.empty()) return error("a vertex before the first solid");
       Vec3d p;
       for (std::size_t axis = 0; axis < 3; ++axis) {
-        const std::optional<double> value = parse_number(cursor.word());
+        const std::optional<double> value = read_decimal(cursor.word());
         if (!value) return error("a vertex needs three finite numbers");
         p[axis] = *value;
       }
