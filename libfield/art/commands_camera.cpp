@@ -55,6 +55,11 @@ void framesize(SceneBuilder& builder, Arguments& args) {
 
 void sample(SceneBuilder& builder, Arguments& args) {
   const int samples = args.integer("the samples along a side of a pixel", 1, kMaxSamples);
+  if (args.more()) {
+    builder.log().once(Severity::note, "sample options", args.here(),
+                       "the options of 'sample' do nothing here");
+    while (args.more()) args.skip();
+  }
   if (args.finish()) builder.scene().camera.samples = samples;
 }
 

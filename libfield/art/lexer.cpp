@@ -88,8 +88,8 @@ std::optional<Diagnostic> check_is_text(std::string_view text, const std::string
   return std::nullopt;
 }
 
-Lexer::Lexer(std::string_view text, std::string file, DiagnosticLog& log)
-    : file_(std::move(file)), log_(&log) {
+Lexer::Lexer(std::string_view text, std::string file, DiagnosticLog& log, int first_line)
+    : file_(std::move(file)), log_(&log), line_(first_line) {
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   at_ = text.data();

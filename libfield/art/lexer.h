@@ -37,9 +37,10 @@ std::optional<Diagnostic> check_is_text(std::string_view text, const std::string
 
 class Lexer {
  public:
+  /// Lines count from `first_line`; 0 where the text is no file and has no lines to point to.
   /// Keeps views of `text`, which must outlive the lexer and its tokens; a UTF-8 byte order mark is
   /// skipped. `text` has passed check_is_text.
-  Lexer(std::string_view text, std::string file, DiagnosticLog& log);
+  Lexer(std::string_view text, std::string file, DiagnosticLog& log, int first_line = 1);
 
   /// Reads the next command; false at the end of the text. A command that is broken as a text is
   /// reported and skipped. O(length of the command).
@@ -61,7 +62,7 @@ class Lexer {
   const char* at_;
   const char* end_;
   const char* line_begin_;
-  int line_ = 1;
+  int line_;
 };
 
 }  // namespace cs2mesh

@@ -68,7 +68,7 @@ void ArtReader::define_variables() {
       log.error({place, 0, 0}, "this is not text, expected name=value");
       continue;
     }
-    Lexer lexer(text, place, log);
+    Lexer lexer(text, place, log, 0);
     Command command;
     bool first = true;
     while (lexer.next(command)) {

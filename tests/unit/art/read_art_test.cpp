@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "art_testing.h"
-#include "libfield/art/command_table.h"
 
 namespace cs2mesh {
 namespace {
@@ -118,7 +117,7 @@ TEST(Defines, broken_ones_are_reported) {
     return said_of("soft on\n", options);
   };
   EXPECT_EQ(said("r", "x1"),
-            "-D r=x1:1:9: error: found 'x1', expected a number, a variable, a "
+            "-D r=x1: error: found 'x1', expected a number, a variable, a "
             "surface, a texture or a color\n");
   EXPECT_EQ(said("r", "1\nsoft off"),
             "-D r=1\nsoft off: error: found another line, expected a value\n");
@@ -286,23 +285,6 @@ TEST(SceneCommands, reset_starts_over) {
   EXPECT_TRUE(scene.camera.has_eye);
   EXPECT_FALSE(scene.soft);
   EXPECT_TRUE(scene_of("soft off\nreset\n").soft);
-}
-
-TEST(CommandTable, accepts_every_command_and_names_those_that_do_not_act) {
-  for (const CommandRow& row : command_table()) {
-    EXPECT_EQ(row.effect == CommandEffect::acts, row.handler != nullptr) << row.opcode;
-    EXPECT_EQ(find_command(row.opcode), &row);
-    if (row.effect == CommandEffect::acts) continue;
-    const std::string opcode(row.opcode);
-    const Result<Scene> scene = parse_art(opcode + " a b c\n" + opcode + "\n", "f");
-    ASSERT_TRUE(scene) << opcode;
-    ASSERT_EQ(scene.diagnostics().size(), 1u) << opcode;
-    const Diagnostic& d = scene.diagnostics()[0];
-    EXPECT_NE(d.message.find("'" + opcode + "'"), std::string::npos);
-    EXPECT_EQ(d.severity, row.effect == CommandEffect::noted ? Severity::note : Severity::warning);
-    EXPECT_TRUE(d.message.ends_with("(and 1 more)")) << d.message;
-  }
-  EXPECT_EQ(find_command("sph"), nullptr);
 }
 
 TEST(ReadArt, an_empty_scene_is_a_scene) {
