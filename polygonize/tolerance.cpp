@@ -1,0 +1,192 @@
+#include "polygonize/tolerance.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <sstream>
+
+#include "libfield/base/check.h"
+
+namespace cs2mesh {
+namespace {
+
+/// Triangles measured together through one restriction of F: neighbours in the mesh's order.
+constexpr std::size_t kChunk = 128;
+constexpr std::size_t kSamplesPerTriangle = 2;
+
+struct Sample {
+  double distance = 0.0;
+  std::size_t number = 0;  ///< 2 t: centroid of triangle t; 2 t + 1: middle of its longest edge
+};
+
+Vec3d sample_point(const TriangleMesh& mesh, std::size_t number) {
+  const auto& t = mesh.triangles[number / kSamplesPerTriangle];
+  const Vec3d p[3] = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+  if (number % kSamplesPerTriangle == 0) return (p[0] + p[1] + p[2]) / 3.0;
+  std::size_t longest = 0;
+  double length = -1;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double candidate = squared_norm(p[(i + 1) % 3] - p[i]);
+    if (candidate > length) {
+      length = candidate;
+      longest = i;
+    }
+  }
+  return 0.5 * (p[longest] + p[(longest + 1) % 3]);
+}
+
+/// |F| / |grad F|, or `otherwise` where the gradient does not tell.
+double first_order_distance(const Jet& jet, double otherwise) {
+  if (jet.value == 0) return 0.0;
+  const double distance = std::abs(jet.value) / norm(jet.gradient);
+  return distance <= otherwise ? distance : otherwise;
+}
+
+/// First-order distances of all samples; none is larger than the chunk it is in.
+std::vector<Sample> first_order_distances(const ImplicitSurface& surface,
+                                          const TriangleMesh& mesh) {
+  std::vector<Sample> samples(kSamplesPerTriangle * mesh.triangles.size());
+  const std::size_t chunks = (mesh.triangles.size() + kChunk - 1) / kChunk;
+  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
+    const std::size_t first = kSamplesPerTriangle * kChunk * chunk;
+    const std::size_t last = std::min(first + kSamplesPerTriangle * kChunk, samples.size());
+    std::vector<Vec3d> points;
+    Aabb box;
+    for (std::size_t i = first; i < last; ++i) {
+      points.push_back(sample_point(mesh, i));
+      box.include(points.back());
+    }
+    std::vector<Jet> jets(points.size());
+    surface.restrict_to(box)->jets(points, jets);
+    for (std::size_t i = first; i < last; ++i) {
+      samples[i] = {first_order_distance(jets[i - first], box.diagonal()), i};
+    }
+  });
+  return samples;
+}
+
+/// The distance of `p` from the surface by Newton's method along the gradient; `first` if that does
+/// not converge.
+double projected_distance(const ImplicitSurface& surface, const Vec3d& p, double first) {
+  constexpr int kMostSteps = 20;
+  constexpr double kConverged = 1e-3;  // of the distance
+  Vec3d q = p;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const Jet jet = surface.jet(q);
+    const double slope = squared_norm(jet.gradient);
+    if (!(slope > 0)) return first;
+    const Vec3d step = (-jet.value / slope) * jet.gradient;
+    q += step;
+    const double distance = norm(q - p);
+    if (!(distance <= 4 * first)) return first;
+    if (norm(step) <= kConverged * distance) return distance;
+  }
+  return first;
+}
+
+/// The next cell to try after one of side `cell` gave `error`.
+double next_cell(double cell, double error, bool creased, double tolerance) {
+  constexpr double kAim = 0.8;  // of the tolerance
+  const double ratio = kAim * tolerance / error;
+  return cell * std::clamp(creased ? ratio : std::sqrt(ratio), 0.25, 0.9);
+}
+
+Diagnostic not_reached(double tolerance, const ToleranceMesh& best) {
+  std::ostringstream text;
+  text << "the tolerance " << tolerance << " was not reached: the mesh is within " << best.error
+       << " of the surface (cell " << best.cell << ")";
+  return {Severity::warning, Failure::tolerance, {}, text.str()};
+}
+
+}  // namespace
+
+double GradientEstimate::largest_distance(const ImplicitSurface& surface,
+                                          const TriangleMesh& mesh) const {
+  std::vector<Sample> samples = first_order_distances(surface, mesh);
+  if (samples.empty()) return 0.0;
+
+  // The first order errs far from the surface and near creases: look closely at the farthest.
+  constexpr std::size_t kLookedAt = 256;
+  const std::size_t looked_at = std::min(kLookedAt, samples.size());
+  const auto farther = [](const Sample& a, const Sample& b) {
+    return a.distance != b.distance ? a.distance > b.distance : a.number < b.number;
+  };
+  const auto end = samples.begin() + static_cast<std::ptrdiff_t>(looked_at);
+  std::nth_element(samples.begin(), end - 1, samples.end(), farther);
+  std::vector<double> distances(looked_at);
+  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t i) {
+    distances[i] =
+        projected_distance(surface, sample_point(mesh, samples[i].number), samples[i].distance);
+  });
+  double largest = *std::max_element(distances.begin(), distances.end());
+  for (auto sample = end; sample != samples.end(); ++sample) {
+    largest = std::max(largest, sample->distance);
+  }
+  return largest;
+}
+
+double expected_cell(double radius, bool creased, double tolerance) {
+  constexpr double kSagitta = 0.3;
+  constexpr double kAim = 0.8;        // of the tolerance
+  constexpr double kFollow = 0.7;     // of the radius: at least three cells across
+  constexpr double kCreaseCells = 2;  // tolerances in a cell
+  double cell = std::min(std::sqrt(kAim * tolerance * radius / kSagitta), kFollow * radius);
+  if (creased) cell = std::min(cell, kCreaseCells * tolerance);
+  return cell;
+}
+
+Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double thinnest_radius,
+                                        bool creased, double tolerance,
+                                        const ToleranceOptions& options) {
+  require(thinnest_radius > 0 && std::isfinite(thinnest_radius),
+          "mesh_to_tolerance: the radius must be positive");
+  require(tolerance > 0 && std::isfinite(tolerance),
+          "mesh_to_tolerance: the tolerance must be positive");
+  require(options.most_attempts >= 1, "mesh_to_tolerance: at least one attempt");
+  const GradientEstimate gradient_estimate;
+  const DistanceEstimate& estimate =
+      options.estimate != nullptr ? *options.estimate : gradient_estimate;
+
+  // The radius is that of the thinnest element, the surface may curve less or more. A pilot on
+  // twice the cell costs a quarter, and may do.
+  constexpr double kPilot = 2.0;
+  const double shape_cell = expected_cell(thinnest_radius, false, HUGE_VAL);
+  double cell = std::min(kPilot * expected_cell(thinnest_radius, creased, tolerance), shape_cell);
+  if (options.most_attempts == 1) cell = expected_cell(thinnest_radius, creased, tolerance);
+
+  ToleranceMesh best;
+  std::vector<ToleranceAttempt> attempts;
+  std::vector<Diagnostic> remarks;
+  for (int attempt = 0; attempt < options.most_attempts; ++attempt) {
+    LatticeStatistics statistics;
+    Result<TriangleMesh> mesh = mesh_lattice(
+        surface, {cell, options.origin, options.max_nodes, options.max_triangles, options.progress},
+        &statistics);
+    if (!mesh) {
+      if (attempts.empty() || mesh.diagnostics().front().failure == Failure::interrupted) {
+        return Result<ToleranceMesh>::failure(mesh.diagnostics());
+      }
+      remarks = mesh.diagnostics();
+      for (Diagnostic& remark : remarks) remark.severity = Severity::warning;
+      break;
+    }
+    const double error = estimate.largest_distance(surface, *mesh);
+    attempts.push_back({cell, error, mesh->triangles.size()});
+    if (attempts.size() == 1 || error < best.error) {
+      best.mesh = *std::move(mesh);
+      best.cell = cell;
+      best.error = error;
+      best.statistics = statistics;
+    }
+    if (error <= tolerance) break;
+    cell = next_cell(cell, error, creased, tolerance);
+  }
+  best.attempts = std::move(attempts);
+  best.reached = best.error <= tolerance;
+  if (!best.reached) remarks.push_back(not_reached(tolerance, best));
+  return {std::move(best), std::move(remarks)};
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,76 @@
+// The cell size of the lattice mesher from a tolerance: mesh, measure, and mesh again if need be.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "libfield/base/result.h"
+#include "libfield/field/implicit_surface.h"
+#include "polygonize/lattice_mesher.h"
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+/// How far a mesh is from its surface.
+class DistanceEstimate {
+ public:
+  virtual ~DistanceEstimate() = default;
+  /// An estimate of the largest distance, in scene units.
+  virtual double largest_distance(const ImplicitSurface& surface,
+                                  const TriangleMesh& mesh) const = 0;
+};
+
+/// Looks from the mesh at the surface: |F| / |grad F| at the centroid and at the middle of the
+/// longest edge of every triangle (where a triangle with its corners on a smooth surface is
+/// farthest from it); at the farthest of them Newton's method along the gradient, for the distance
+/// proper. Two gradients a triangle. Blind to pieces of surface that the mesh misses.
+class GradientEstimate final : public DistanceEstimate {
+ public:
+  double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
+};
+
+struct ToleranceOptions {
+  Vec3d origin{};  ///< a node of the lattice
+  std::size_t max_nodes = 400'000'000;
+  std::size_t max_triangles = 50'000'000;
+  /// Meshes made at most; the first is a pilot on a larger cell.
+  int most_attempts = 4;
+  const DistanceEstimate* estimate = nullptr;  ///< GradientEstimate if null
+  Progress* progress = nullptr;
+};
+
+struct ToleranceAttempt {
+  double cell = 0.0;
+  double error = 0.0;  ///< measured, scene units
+  std::size_t triangles = 0;
+};
+
+struct ToleranceMesh {
+  TriangleMesh mesh;
+  double cell = 0.0;
+  double error = 0.0;    ///< measured
+  bool reached = false;  ///< error <= tolerance
+  std::vector<ToleranceAttempt> attempts;
+  LatticeStatistics statistics;  ///< of the mesh returned
+};
+
+/// The cell with which the lattice mesher is expected to stay within `tolerance` of a surface whose
+/// smallest radius of curvature is `radius`, and to follow its shape: a triangle of circumradius c
+/// with its corners on a sphere is c^2 / (2 radius) off, and cells of side h have triangles up to
+/// about c = 0.77 h. With creases, which the lattice cuts off, the error is a share of the cell.
+double expected_cell(double radius, bool creased, double tolerance);
+
+/// Meshes `surface` so that no point of the mesh is farther than `tolerance` from it, as measured
+/// by options.estimate. `thinnest_radius` is the smallest radius of its elements, > 0 (else
+/// ContractViolation), in scene units.
+///
+/// A pilot on a larger cell tells how the error really behaves; from then on the cell follows from
+/// the last measurement (error ~ h^2, with creases ~ h), at most 4 times smaller each time. If the
+/// tolerance is not reached, the mesh of the smallest error comes with a warning of
+/// Failure::tolerance and reached == false. Errors: those of mesh_lattice(); but where a retry runs
+/// into a limit, the best mesh before it is returned, with the limit's message as a warning.
+Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double thinnest_radius,
+                                        bool creased, double tolerance,
+                                        const ToleranceOptions& options = {});
+
+}  // namespace cs2mesh
