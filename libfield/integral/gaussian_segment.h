@@ -69,55 +69,74 @@ T bounded_exp(const T& exponent) {
   return exp(exponent < greatest ? exponent : greatest);
 }
 
-/// erf(x1) + erf(x2) etc. as int_near^far exp(-t^2) dt * 2 / sqrt(pi), wide types only.
-template <class T>
-T erf_between(const T& t1, const T& t2) {
-  using std::erf;
-  using std::erfc;
-  if (t1 > T(0)) return erfc(t1) - erfc(t2);
-  if (t2 < T(0)) return erfc(T(-t2)) - erfc(T(-t1));
-  return erf(t2) - erf(t1);
-}
-
 /// The integral over t1 <= t <= t2 = t1 + length at squared distance c2, and h(r1) - h(r2).
 template <class T>
 struct GaussianLine {
   T value{}, drop{};
 };
 
+/// Any number type: the closed form with digits to spare.
 template <class T>
-GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1, const T& t2, const T& length,
+GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1, const T& t2, const T& /*length*/,
                               const T& c2) {
-  using std::abs;
+  using std::acos;
+  using std::erf;
+  using std::erfc;
   using std::expm1;
   using std::sqrt;
   const T a(kernel.a);
-  const T a2 = a * a;
-  const T sum = t1 + t2;
-  const T near = std::min(abs(t1), abs(t2));
-  const T delta = a2 * (length * abs(sum));
-  const T across = T(kernel.log_amplitude) - a2 * c2;
-  const T fall = -expm1(T(-delta));
-  const T at_near = bounded_exp(T(across - a2 * (near * near)));
-  GaussianLine<T> out;
-  out.drop = sum < T(0) ? T(-(at_near * fall)) : T(at_near * fall);
-  if constexpr (!kIsDouble<T>) {
-    using std::acos;
-    const T pi = acos(T(-1));
-    out.value = sqrt(pi) / (T(2) * a) * bounded_exp(across) * erf_between(T(a * t1), T(a * t2));
+  const T across = T(kernel.log_amplitude) - a * a * c2;
+  const T x1 = a * t1, x2 = a * t2;
+  const T between = x1 > T(0)   ? T(erfc(x1) - erfc(x2))
+                    : x2 < T(0) ? T(erfc(T(-x2)) - erfc(T(-x1)))
+                                : T(erf(x2) - erf(x1));
+  const T half_root_pi = sqrt(acos(T(-1))) / T(2);
+  return {half_root_pi / a * bounded_exp(across) * between,
+          bounded_exp(T(across - x1 * x1)) * -expm1(T(x1 * x1 - x2 * x2))};
+}
+
+inline constexpr double kHalfRootPi = 0.5 / std::numbers::inv_sqrtpi;
+/// Fields below exp of this count as 0: on the way to the smallest double, arithmetic is slow.
+inline constexpr double kLeastExponent = -700.0;
+
+/// 1 - exp(-delta).
+inline double fall_over(double delta) {
+  return delta > 1.0 ? 1.0 - std::exp(-delta) : -std::expm1(-delta);
+}
+
+/// erf(near) + erf(far) with exp(-near^2) and 1 - exp(near^2 - far^2) given; near <= far.
+inline double erf_sum(double near, double far, double at_near, double fall) {
+  // Two erfcx share their latency, two erf do not; below 1 their sum would cancel.
+  if (far < 1.0) return std::erf(near) + std::erf(far);
+  return 2.0 - at_near * (erfcx(near) + (1.0 - fall) * erfcx(far));
+}
+
+inline GaussianLine<double> gaussian_line(const Gaussian& kernel, double t1, double t2,
+                                          double length, double c2) {
+  const double a = kernel.a;
+  const double a2 = a * a;
+  const double sum = t1 + t2;
+  const double near = a * std::min(std::abs(t1), std::abs(t2));
+  const double far = a * std::max(std::abs(t1), std::abs(t2));
+  const double across = kernel.log_amplitude - a2 * c2;
+  const bool on_segment = (t1 > 0.0) != (t2 > 0.0);
+  const double exponent = on_segment ? across : across - near * near;
+  if (!(exponent > kLeastExponent)) return {};
+  const double delta = a2 * (length * std::abs(sum));
+  const double fall = fall_over(delta);
+  const double top = bounded_exp(exponent);
+  const double below_top = on_segment ? std::exp(-near * near) : 1.0;
+  const double at_near = top * below_top;
+  const double q = a2 * (length * length);
+  GaussianLine<double> out;
+  out.drop = std::copysign(at_near * fall, sum);
+  if ((on_segment ? q : delta) <= kFlatDelta) {
+    const double b = 2.0 * near * (a * length);
+    out.value = length * at_near * flat_gaussian(on_segment ? -b : b, q);
+  } else if (on_segment) {
+    out.value = kHalfRootPi / a * top * erf_sum(near, far, below_top, fall);
   } else {
-    constexpr double kHalfRootPi = 0.5 / std::numbers::inv_sqrtpi;
-    const double far = std::max(std::abs(t1), std::abs(t2));
-    const double q = a2 * (length * length);
-    const bool on_segment = (t1 > 0.0) != (t2 > 0.0);
-    if ((on_segment ? q : delta) <= kFlatDelta) {
-      const double b = 2.0 * a2 * (near * length);
-      out.value = length * at_near * flat_gaussian(on_segment ? -b : b, q);
-    } else if (on_segment) {
-      out.value = kHalfRootPi / a * bounded_exp(across) * (std::erf(a * near) + std::erf(a * far));
-    } else {
-      out.value = kHalfRootPi / a * at_near * (erfcx(a * near) - (1.0 - fall) * erfcx(a * far));
-    }
+    out.value = kHalfRootPi / a * top * (erfcx(near) - (1.0 - fall) * erfcx(far));
   }
   return out;
 }
