@@ -1,0 +1,28 @@
+// From points near a surface {F = 0} to points on it.
+#pragma once
+
+#include <limits>
+#include <span>
+#include <vector>
+
+#include "libfield/field/implicit_surface.h"
+
+namespace cs2mesh {
+
+/// Where a point comes to lie on the surface.
+struct Projection {
+  double distance = std::numeric_limits<double>::infinity();
+  Vec3d foot;
+  Vec3d gradient;  ///< of F, at the foot or within a fraction of `distance` from it
+};
+
+/// For each point a point of the surface near it: along the gradient of F as far as to a change of
+/// sign, which proves that there is surface no farther than 1.05 `distance` (and, where the
+/// gradient varies, than `distance`, which is then refined). Where the gradient leads nowhere,
+/// along the directions of growing spheres up to `search_limit`; infinite distance if that finds
+/// nothing either. `local` is `surface` restricted to `box`, which contains the points. O(1) jets a
+/// point, two where F is nearly linear over the distance.
+void project(const ImplicitSurface& surface, const ImplicitSurface& local, const Aabb& box,
+             std::span<const Vec3d> points, double search_limit, std::span<Projection> out);
+
+}  // namespace cs2mesh

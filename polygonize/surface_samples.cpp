@@ -1,0 +1,155 @@
+#include "polygonize/surface_samples.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "libfield/base/random.h"
+#include "polygonize/edge_root.h"
+
+namespace cs2mesh {
+namespace {
+
+/// Crossings of a block with c x c lines in each of three directions, over c^2: 1.5 for a random
+/// plane that cuts it, times the share of blocks that truly hold surface.
+constexpr double kCrossingsPerSquare = 0.9;
+constexpr int kMostHalvings = 20;
+/// Blocks that have a restriction of their own; smaller ones share that of the block they came
+/// from, so that memory stays small.
+constexpr std::size_t kMostRestrictions = 8000;
+
+bool may_hold_surface(const ImplicitSurface& surface, const Aabb& box) {
+  const Interval range = surface.enclose(box);
+  // F = 0 counts as inside, so a box where F >= 0 throughout holds no boundary of {F >= 0}.
+  return range.lo < 0 && range.hi >= 0;
+}
+
+std::vector<SurfaceBlock> root_blocks(const ImplicitSurface& surface, const Aabb& region,
+                                      std::uint64_t seed) {
+  constexpr double kAcross = 8;
+  const Vec3d extent = region.extent();
+  const double size = std::max({extent.x, extent.y, extent.z}) / kAcross;
+  // A shift at random, so that lattice and scene, which likes round numbers, are not aligned.
+  Random random(seed, 0x6c617474696365);
+  Vec3d origin = region.min;
+  for (std::size_t axis = 0; axis < 3; ++axis) origin[axis] -= random.uniform() * size;
+  std::vector<SurfaceBlock> blocks;
+  std::array<int, 3> count{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    count[axis] = static_cast<int>(std::floor((region.max[axis] - origin[axis]) / size)) + 1;
+  }
+  for (int k = 0; k < count[2]; ++k) {
+    for (int j = 0; j < count[1]; ++j) {
+      for (int i = 0; i < count[0]; ++i) {
+        const Vec3d low = origin + size * Vec3d(i, j, k);
+        const Aabb box{low, low + Vec3d{size, size, size}};
+        if (!may_hold_surface(surface, box)) continue;
+        blocks.push_back({box, surface.restrict_to(box)});
+      }
+    }
+  }
+  return blocks;
+}
+
+std::vector<SurfaceBlock> halved(const std::vector<SurfaceBlock>& blocks) {
+  std::vector<std::array<SurfaceBlock, 8>> children(blocks.size());
+  const bool restrict_more = blocks.size() <= kMostRestrictions;
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+    const Aabb& box = blocks[i].box;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Vec3d center = box.center(), end = box.corner(corner);
+      const Aabb part{min(center, end), max(center, end)};
+      if (!may_hold_surface(*blocks[i].surface, part)) continue;
+      SurfaceBlock& child = children[i][static_cast<std::size_t>(corner)];
+      child.box = part;
+      child.surface = restrict_more ? blocks[i].surface->restrict_to(part) : blocks[i].surface;
+    }
+  });
+  std::vector<SurfaceBlock> out;
+  for (auto& eight : children) {
+    for (SurfaceBlock& child : eight) {
+      if (child.surface) out.push_back(std::move(child));
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<SurfaceBlock> surface_blocks(const ImplicitSurface& surface, const Aabb& region,
+                                         std::size_t samples, std::uint64_t seed) {
+  if (region.empty() || !region.finite() || !(region.diagonal() > 0)) return {};
+  std::vector<SurfaceBlock> blocks = root_blocks(surface, region, seed);
+  const double enough = static_cast<double>(samples) /
+                        (kCrossingsPerSquare * kMostCellsPerBlock * kMostCellsPerBlock);
+  for (int halvings = 0; halvings < kMostHalvings; ++halvings) {
+    if (blocks.empty() || static_cast<double>(blocks.size()) >= enough) break;
+    blocks = halved(blocks);
+  }
+  return blocks;
+}
+
+int cells_per_block(std::size_t blocks, std::size_t samples) {
+  const double squares =
+      static_cast<double>(samples) /
+      (kCrossingsPerSquare * static_cast<double>(std::max<std::size_t>(blocks, 1)));
+  return std::clamp(static_cast<int>(std::lround(std::sqrt(squares))), 2, kMostCellsPerBlock);
+}
+
+void append_crossings(const SurfaceBlock& block, int cells, std::vector<Vec3d>& out) {
+  const int nodes = cells + 1;
+  const auto index = [nodes](int i, int j, int k) {
+    return static_cast<std::size_t>((k * nodes + j) * nodes + i);
+  };
+  // Evaluate the nodes.
+  std::vector<Vec3d> points;
+  const Vec3d& low = block.box.min;
+  const Vec3d step = block.box.extent() / static_cast<double>(cells);
+  for (int k = 0; k < nodes; ++k) {
+    for (int j = 0; j < nodes; ++j) {
+      for (int i = 0; i < nodes; ++i) {
+        // The far faces exactly: a rounded product could lie outside of the box.
+        points.push_back({i == cells ? block.box.max.x : low.x + i * step.x,
+                          j == cells ? block.box.max.y : low.y + j * step.y,
+                          k == cells ? block.box.max.z : low.z + k * step.z});
+      }
+    }
+  }
+  std::vector<double> values(points.size());
+  block.surface->values(points, values);
+
+  // Collect the edges with a change of sign; those on the far faces belong to the next block, which
+  // holds surface too then.
+  std::vector<std::pair<std::size_t, std::size_t>> crossed;
+  for (int k = 0; k < cells; ++k) {
+    for (int j = 0; j < cells; ++j) {
+      for (int i = 0; i < cells; ++i) {
+        const std::size_t a = index(i, j, k);
+        for (const std::size_t b : {index(i + 1, j, k), index(i, j + 1, k), index(i, j, k + 1)}) {
+          if ((values[a] >= 0) != (values[b] >= 0)) crossed.emplace_back(a, b);
+        }
+      }
+    }
+  }
+  if (crossed.empty()) return;
+
+  // Find the roots on them.
+  std::vector<Vec3d> ends;
+  for (const auto& [a, b] : crossed) ends.insert(ends.end(), {points[a], points[b]});
+  std::vector<Jet> jets(ends.size());
+  block.surface->jets(ends, jets);
+  std::vector<CrossedEdge> edges;
+  for (std::size_t e = 0; e < ends.size(); e += 2) {
+    // Values and jets may round to different signs next to a root.
+    if ((jets[e].value >= 0) == (jets[e + 1].value >= 0)) continue;
+    edges.push_back({ends[e], ends[e + 1], jets[e], jets[e + 1]});
+  }
+  std::vector<Vec3d> roots(edges.size());
+  EdgeRootCounts counts;
+  find_roots(*block.surface, edges, roots, counts);
+  out.insert(out.end(), roots.begin(), roots.end());
+}
+
+}  // namespace cs2mesh
