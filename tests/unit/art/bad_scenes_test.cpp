@@ -2,6 +2,7 @@
 // error that the reader can report.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "libfield/art/read_art.h"
+#include "libfield/field/compile.h"
 
 namespace cs2mesh {
 namespace {
@@ -32,16 +34,27 @@ std::vector<fs::path> files_in(const fs::path& folder, const std::string& extens
   return files;
 }
 
+/// The first failure of a scene on its way to a mesher; all is well if there is none.
+std::vector<Diagnostic> errors_of(const std::string& name) {
+  const Result<Scene> scene = read_art(name);
+  if (!scene) return scene.diagnostics();
+  const Result<CompiledScene> compiled = compile(*scene);
+  if (!compiled) return compiled.diagnostics();
+  const Result<CompiledScene> clipped = clip_to_bounds(*compiled, *scene);
+  return clipped ? std::vector<Diagnostic>{} : clipped.diagnostics();
+}
+
 /// What `cs2mesh NAME.art` says, with its exit status in the first line.
 std::string outcome(const std::string& name) {
-  const Result<Scene> scene = read_art(name);
   std::string lines;
-  Failure first = Failure::none;
-  for (const Diagnostic& d : scene.diagnostics()) {
+  int status = 0;
+  for (const Diagnostic& d : errors_of(name)) {
+    if (d.severity != Severity::error) continue;
     lines += to_string(d) + "\n";
-    if (first == Failure::none && d.severity == Severity::error) first = d.failure;
+    if (status == 0) {
+      status = d.failure == Failure::limit ? 6 : d.failure == Failure::unmeshable ? 3 : 2;
+    }
   }
-  const int status = scene ? 0 : first == Failure::limit ? 6 : first == Failure::unmeshable ? 3 : 2;
   return "status " + std::to_string(status) + "\n" + lines;
 }
 
@@ -61,7 +74,6 @@ TEST_F(BadScenes, give_the_expected_output) {
   for (const fs::path& scene : scenes) {
     const std::string name = scene.filename().string();
     const fs::path expected = fs::path(name).replace_extension(".expected");
-    if (!fs::exists(expected)) continue;  // read by another
     EXPECT_EQ(outcome(name), text_of(expected)) << name;
   }
 }
