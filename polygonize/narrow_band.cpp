@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 #include <string>
 
 namespace cs2mesh {
@@ -236,39 +237,113 @@ bool NarrowBand::surrounded(std::size_t block, int offset) const {
   return true;
 }
 
+/// Encloses F over the octants of a block, and over the cubes of those that are not cleared.
+/// Returns the number of enclosures.
+std::size_t NarrowBand::clear_cubes(std::size_t active_block) {
+  const ImplicitSurface& surface = *surfaces_[active_block];
+  const Int3 base = Lattice::kBlockCells * coords_[active_block];
+  Clearance& clearance = clearances_[active_block];
+  std::size_t tested = 0;
+  const auto clears = [&](const Int3& local, std::int32_t cells, std::uint64_t cubes) {
+    const Int3 corner = base + local;
+    const Interval f =
+        surface.enclose({lattice_.node(corner), lattice_.node(corner + Int3{cells, cells, cells})});
+    ++tested;
+    if (may_hold_zero(f)) return false;
+    clearance.cleared |= cubes;
+    if (f.lo > 0) clearance.inside |= cubes;
+    return true;
+  };
+  const auto cube_bit = [](const Int3& cube) {
+    return std::uint64_t{1} << ((cube.x << 4) | (cube.y << 2) | cube.z);
+  };
+  for (int octant = 0; octant < 8; ++octant) {
+    const Int3 first = 2 * corner_step(octant);  // in cubes
+    std::uint64_t all = 0;
+    for (int child = 0; child < 8; ++child) all |= cube_bit(first + corner_step(child));
+    if (clears(2 * first, 4, all)) continue;
+    for (int child = 0; child < 8; ++child) {
+      const Int3 cube = first + corner_step(child);
+      clears(2 * cube, 2, cube_bit(cube));
+    }
+  }
+  return tested;
+}
+
+/// An infinity of the sign that all cubes around the node agree on, or 0 where one is not cleared.
+/// What lies in blocks that are not active is clear.
+double NarrowBand::known_sign(std::size_t block, int offset) const {
+  const Int3 local = local_node(offset);
+  // Between two cubes along an axis where the coordinate is even.
+  const int between =
+      (local.x % 2 == 0 ? 1 : 0) | (local.y % 2 == 0 ? 2 : 0) | (local.z % 2 == 0 ? 4 : 0);
+  double sign = 0;
+  for (int step = 0; step < 8; ++step) {
+    if ((step & ~between) != 0) continue;
+    const Int3 cell = local + -1 * corner_step(step);
+    const Int3 away{cell.x < 0 ? -1 : 0, cell.y < 0 ? -1 : 0, cell.z < 0 ? -1 : 0};
+    const std::uint32_t home = neighbour(block, away);
+    if (!active(home)) continue;
+    const int cube = ((cell.x & 7) / 2 << 4) | ((cell.y & 7) / 2 << 2) | (cell.z & 7) / 2;
+    const Clearance& clearance = clearances_[home];
+    if (((clearance.cleared >> cube) & 1) == 0) return 0;
+    const bool inside = ((clearance.inside >> cube) & 1) != 0;
+    sign =
+        inside ? std::numeric_limits<double>::infinity() : -std::numeric_limits<double>::infinity();
+  }
+  return sign;
+}
+
+/// F at these nodes of a block, each through the restriction of an active block that holds it.
+void NarrowBand::evaluate(std::size_t block, const std::vector<std::uint16_t>& offsets) {
+  std::vector<std::uint32_t> by(offsets.size());
+  for (std::size_t i = 0; i < offsets.size(); ++i) by[i] = evaluator(block, offsets[i]);
+  double* values = tree_->leaves[block]->buffer().data();
+  std::vector<Vec3d> points;
+  std::vector<double> out;
+  std::vector<std::uint16_t> batch;
+  for (std::size_t i = 0; i < offsets.size(); ++i) {
+    if (by[i] == kNone) continue;
+    const std::uint32_t owner = by[i];
+    points.clear();
+    batch.clear();
+    for (std::size_t j = i; j < offsets.size(); ++j) {
+      if (by[j] != owner) continue;
+      by[j] = kNone;
+      batch.push_back(offsets[j]);
+      points.push_back(node_position(block, offsets[j]));
+    }
+    out.resize(points.size());
+    surfaces_[owner]->values(points, out);
+    for (std::size_t j = 0; j < batch.size(); ++j) values[batch[j]] = out[j];
+  }
+}
+
 bool NarrowBand::sample(Progress* progress) {
   std::atomic<std::size_t> nodes{0};
+  std::atomic<std::size_t> cubes{0};
   std::atomic<bool> stopped{false};
-  tbb::parallel_for(std::size_t{0}, coords_.size(), [&](std::size_t block) {
-    if (progress != nullptr && progress->cancelled()) stopped = true;
-    if (stopped) return;
+  const auto each_block = [&](std::size_t count, auto&& f) {
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t block) {
+      if (progress != nullptr && progress->cancelled()) stopped = true;
+      if (!stopped) f(block);
+    });
+  };
+  clearances_.resize(counts_.blocks_active);
+  each_block(counts_.blocks_active, [&](std::size_t block) { cubes += clear_cubes(block); });
+  each_block(coords_.size(), [&](std::size_t block) {
     mark_sampled(block);
-    // Gather the nodes by the block that evaluates them.
-    std::vector<std::uint16_t> offsets;
-    sampled(block).for_each([&](int o) { offsets.push_back(static_cast<std::uint16_t>(o)); });
-    std::vector<std::uint32_t> by(offsets.size());
-    std::vector<Vec3d> points;
-    std::vector<double> out;
-    for (std::size_t i = 0; i < offsets.size(); ++i) by[i] = evaluator(block, offsets[i]);
     double* values = tree_->leaves[block]->buffer().data();
-    for (std::size_t i = 0; i < offsets.size(); ++i) {
-      if (by[i] == kNone) continue;
-      const std::uint32_t owner = by[i];
-      points.clear();
-      std::vector<std::uint16_t> batch;
-      for (std::size_t j = i; j < offsets.size(); ++j) {
-        if (by[j] != owner) continue;
-        by[j] = kNone;
-        batch.push_back(offsets[j]);
-        points.push_back(node_position(block, offsets[j]));
-      }
-      out.resize(points.size());
-      surfaces_[owner]->values(points, out);
-      for (std::size_t j = 0; j < batch.size(); ++j) values[batch[j]] = out[j];
-    }
-    nodes += offsets.size();
+    std::vector<std::uint16_t> unknown;
+    sampled(block).for_each([&](int offset) {
+      values[offset] = known_sign(block, offset);
+      if (values[offset] == 0) unknown.push_back(static_cast<std::uint16_t>(offset));
+    });
+    evaluate(block, unknown);
+    nodes += unknown.size();
   });
   counts_.nodes_evaluated = nodes;
+  counts_.cubes_tested = cubes;
   return !stopped;
 }
 

@@ -37,7 +37,8 @@ class NarrowBand {
   static constexpr double kMargin = 0.5;
 
   struct Counts {
-    std::size_t blocks_tested = 0;  ///< enclosures asked for, on all levels
+    std::size_t blocks_tested = 0;  ///< enclosures asked for, on all levels down to blocks
+    std::size_t cubes_tested = 0;   ///< enclosures asked for inside blocks
     std::size_t blocks_active = 0;
     std::size_t nodes_evaluated = 0;
   };
@@ -61,7 +62,8 @@ class NarrowBand {
     return neighbours_[block][static_cast<std::size_t>(9 * step.x + 3 * step.y + step.z + 13)];
   }
   bool active(std::uint32_t block) const { return block < counts_.blocks_active; }
-  /// F at the 512 nodes that belong to a block; meaningful for members of sampled(block).
+  /// F at the 512 nodes that belong to a block, or an infinity of its sign where enclosures tell
+  /// that; meaningful for members of sampled(block).
   std::span<const double> values(std::size_t block) const;
   NodeSet sampled(std::size_t block) const;
   Vec3d node_position(std::size_t block, int offset) const {
@@ -80,6 +82,12 @@ class NarrowBand {
   bool surrounded(std::size_t block, int offset) const;
 
  private:
+  /// The 4^3 cubes of 2^3 cells of an active block, a bit each: whether the enclosure of F over it
+  /// excludes 0, and if so, whether F is positive there.
+  struct Clearance {
+    std::uint64_t cleared = 0;
+    std::uint64_t inside = 0;
+  };
   struct Tree;
   struct Candidate;
   NarrowBand();
@@ -87,6 +95,9 @@ class NarrowBand {
   void find_neighbours();
   bool sample(Progress* progress);
   void mark_sampled(std::size_t block);
+  std::size_t clear_cubes(std::size_t active_block);
+  double known_sign(std::size_t block, int offset) const;
+  void evaluate(std::size_t block, const std::vector<std::uint16_t>& offsets);
 
   Lattice lattice_;
   Counts counts_;
@@ -94,6 +105,7 @@ class NarrowBand {
   std::vector<Int3> coords_;
   std::vector<std::array<std::uint32_t, 27>> neighbours_;
   std::vector<std::shared_ptr<const ImplicitSurface>> surfaces_;
+  std::vector<Clearance> clearances_;  ///< of the active blocks
 };
 
 }  // namespace cs2mesh

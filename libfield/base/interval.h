@@ -4,7 +4,9 @@
 #pragma once
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace cs2mesh {
@@ -27,11 +29,16 @@ struct Interval {
   friend bool operator==(const Interval&, const Interval&) = default;
 };
 
-inline double next_down(double x) {
-  return std::nextafter(x, -std::numeric_limits<double>::infinity());
-}
+/// The next larger double; an infinity or NaN stays. As std::nextafter, but inline.
 inline double next_up(double x) {
-  return std::nextafter(x, std::numeric_limits<double>::infinity());
+  if (!(x < std::numeric_limits<double>::infinity())) return x;
+  if (x == 0) return std::numeric_limits<double>::denorm_min();
+  if (x == -std::numeric_limits<double>::infinity()) return x;
+  const auto bits = std::bit_cast<std::uint64_t>(x);
+  return std::bit_cast<double>(x > 0 ? bits + 1 : bits - 1);
+}
+inline double next_down(double x) {
+  return -next_up(-x);
 }
 inline Interval outward(double lo, double hi) {
   return {next_down(lo), next_up(hi)};

@@ -172,7 +172,7 @@ Interval Field::enclose(const Aabb& box) const {
   double hessian = 0;
   double rounding = 0;
   for (const std::uint32_t i : list) {
-    const TermBound b = bound(data_->terms[i], box);
+    const ValueBound b = value_bound(data_->terms[i], box);
     if (b.taylor) {
       center += b.center;
       hessian += b.hessian;
@@ -193,8 +193,8 @@ std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
   near_terms(box, list);
   std::array<Interval, 3> sum{};
   for (const std::uint32_t i : list) {
-    const TermBound b = bound(data_->terms[i], box);
-    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = sum[axis] + b.gradient[axis];
+    const std::array<Interval, 3> g = gradient_bound(data_->terms[i], box);
+    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = sum[axis] + g[axis];
   }
   return sum;
 }
@@ -208,7 +208,7 @@ double Field::derivative_bound(int order, const Aabb& box) const {
   std::vector<std::uint32_t> list;
   near_terms(box, list);
   double sum = 0;
-  for (const std::uint32_t i : list) sum += bound(data_->terms[i], box).hessian;
+  for (const std::uint32_t i : list) sum += hessian_bound(data_->terms[i], box);
   return sum;
 }
 

@@ -105,21 +105,58 @@ LocalBox local_box(const Term& term, const Aabb& box) {
   return local;
 }
 
+/// As distance(arc, p), without an angle: p lies over the arc where cos(azimuth) >= cos(sweep / 2).
+double nearest(const ArcFrame<double>& arc, const Vec3d& p) {
+  const Vec3d d = p - arc.center;
+  const double x = dot(d, arc.ex);
+  const double y = std::abs(dot(d, arc.ey));
+  const double z = dot(d, arc.normal);
+  const double rho = std::sqrt(x * x + y * y);
+  const double cosine = 2 * arc.cos_quarter * arc.cos_quarter - 1;
+  if (x >= rho * cosine) return std::sqrt((rho - arc.radius) * (rho - arc.radius) + z * z);
+  const double dx = x - arc.radius * cosine;
+  const double dy = y - arc.radius * arc.sin_half;
+  return std::sqrt(dx * dx + dy * dy + z * z);
+}
+
+template <class P>
+double nearest(const Term& term, const P& primitive, const Vec3d& p) {
+  if constexpr (std::is_same_v<P, Arc>) {
+    return nearest(std::get<ArcFrame<double>>(term.frame), p);
+  } else {
+    return distance(primitive, p);
+  }
+}
+
 /// Distances from a primitive to a ball, rounded outwards.
 struct Reach {
   double near = 0.0, far = 0.0;
   double scale = 0.0;  ///< of the coordinates relative to the primitive
+  double size = 0.0;   ///< of the primitive
 };
 
 template <class P>
-Reach reach(const P& primitive, const LocalBox& local) {
+Reach reach(const Term& term, const P& primitive, const LocalBox& local) {
   Reach r;
-  const double d = distance(primitive, local.center);
-  r.scale = d + size(primitive);
+  r.size = size(primitive);
+  const double d = nearest(term, primitive, local.center);
+  r.scale = d + r.size;
   const double slack = local.radius + 16 * kEpsilon * (r.scale + local.radius);
   r.near = std::max(0.0, d - slack);
   r.far = r.scale + slack;
   return r;
+}
+
+/// derivative_bound() at the near distance; far from a primitive, its mass in the nearest place is
+/// as good and cheaper.
+template <class K, class P>
+double near_bound(const K& kernel, const P& primitive, int order, const Reach& r) {
+  if constexpr (!std::is_same_v<P, Plane>) {
+    if (r.near > 2 * r.size) {
+      return measure(primitive) * kernel.derivative_envelope(order, r.near) * (1 + 1e-12);
+    }
+  }
+  return derivative_bound(kernel, primitive, order, r.near);
 }
 
 Vec3d to_world_gradient(const Term& term, const Vec3d& local) {
@@ -151,30 +188,19 @@ double largest_weight(const Term& term) {
   return product(term.profiles, range, range).magnitude();
 }
 
-/// The integral alone over a ball: what bound() is made of.
-struct IntegralBound {
-  bool taylor = false;
-  Interval range;
-  Jet center;
-  double hessian = 0.0;
-  double slope = 0.0;  ///< >= |gradient| everywhere on the ball
-  double rounding = 0.0;
-};
-
+/// The integral alone over a ball.
 template <class K, class P>
-IntegralBound integral_bound(const Term& term, const K& kernel, const P& primitive,
-                             const LocalBox& local) {
-  const Reach r = reach(primitive, local);
-  IntegralBound b;
-  const double highest = derivative_bound(kernel, primitive, 0, r.near);
+ValueBound integral_bound(const Term& term, const K& kernel, const P& primitive,
+                          const LocalBox& local, const Reach& r) {
+  ValueBound b;
+  const double highest = near_bound(kernel, primitive, 0, r);
   // Every element of the primitive is nearer than r.far, and h decreases.
   const double mass = measure(primitive);
   const double lowest =
       std::isfinite(mass) ? mass * kernel.profile(r.far * r.far) * (1 - 1e-12) : 0.0;
   b.range = {std::min(lowest, highest), highest};
-  b.slope = derivative_bound(kernel, primitive, 1, r.near);
-  b.hessian = derivative_bound(kernel, primitive, 2, r.near);
-  b.taylor = std::isfinite(b.hessian) && b.hessian * local.radius * local.radius < b.range.width();
+  b.hessian = near_bound(kernel, primitive, 2, r);
+  b.taylor = b.hessian * local.radius * local.radius < b.range.width();
   if (b.taylor) {
     b.center = integral_of(term, kernel, primitive, local.center);
     b.rounding = kBackwardError * (condition_number(primitive) * std::abs(b.center.value) +
@@ -183,9 +209,18 @@ IntegralBound integral_bound(const Term& term, const K& kernel, const P& primiti
   return b;
 }
 
-Interval taylor_range(const IntegralBound& b, double radius) {
-  return widened(Interval(b.center.value),
-                 (norm(b.center.gradient) + 0.5 * b.hessian * radius) * radius + b.rounding);
+/// Contains the integral over the ball.
+Interval integral_range(const ValueBound& b, double radius) {
+  if (!b.taylor) return b.range;
+  const double deviation =
+      (norm(b.center.gradient) + 0.5 * b.hessian * radius) * radius + b.rounding;
+  return intersection(b.range, widened(Interval(b.center.value), deviation));
+}
+
+template <class P>
+Interval weight_range(const Term& term, const P& primitive, const LocalBox& local) {
+  const auto [u, v] = enclose_uv(primitive, local.box);
+  return product(term.profiles, u, v);
 }
 
 /// Whether w may differ between the two sides of a seam of u or v that the box straddles. The clamp
@@ -292,37 +327,56 @@ void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> 
   });
 }
 
-TermBound bound(const Term& term, const Aabb& box) {
+ValueBound value_bound(const Term& term, const Aabb& box) {
   const LocalBox local = local_box(term, box);
   return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
-    const IntegralBound b = integral_bound(term, kernel, primitive, local);
-    TermBound out;
-    std::array<Interval, 3> gradient = ball({}, b.slope);
-    if (b.taylor) {
-      const std::array<Interval, 3> near = ball(b.center.gradient, b.hessian * local.radius);
+    const Reach r = reach(term, primitive, local);
+    ValueBound b = integral_bound(term, kernel, primitive, local, r);
+    const Interval sign(term.sign);
+    if (!term.profiles.empty()) {
+      // A profile has corners: its product with the integral is bounded as a product of ranges.
+      b.range = sign * weight_range(term, primitive, local) * integral_range(b, local.radius);
+      b.taylor = false;
+      return b;
+    }
+    b.range = sign * b.range;
+    b.center = term.sign * Jet{b.center.value, to_world_gradient(term, b.center.gradient)};
+    b.hessian *= local.stretch * local.stretch;
+    return b;
+  });
+}
+
+std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box) {
+  const LocalBox local = local_box(term, box);
+  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+    const Reach r = reach(term, primitive, local);
+    const double slope = near_bound(kernel, primitive, 1, r);
+    const double turn = near_bound(kernel, primitive, 2, r) * local.radius;
+    std::array<Interval, 3> gradient = ball({}, slope);
+    if (turn < slope) {
+      const Jet center = integral_of(term, kernel, primitive, local.center);
+      const std::array<Interval, 3> near = ball(center.gradient, turn);
       for (std::size_t i = 0; i < 3; ++i) gradient[i] = intersection(gradient[i], near[i]);
     }
-    if (term.profiles.empty()) {
-      out.taylor = b.taylor;
-      out.range = Interval(term.sign) * b.range;
-      out.center = term.sign * Jet{b.center.value, to_world_gradient(term, b.center.gradient)};
-      out.hessian = b.hessian * local.stretch * local.stretch;
-      out.rounding = b.rounding;
-      for (Interval& component : gradient) component = Interval(term.sign) * component;
-      out.gradient = to_world_gradient(term, gradient);
-      return out;
+    if (!term.profiles.empty()) {
+      const Interval field =
+          integral_range(integral_bound(term, kernel, primitive, local, r), local.radius);
+      const WeightBound weight = weight_bound(term, primitive, local);
+      for (std::size_t i = 0; i < 3; ++i) {
+        gradient[i] = weight.w * gradient[i] + field * weight.gradient[i];
+      }
     }
-    // A profile has corners: its product with the integral is bounded as a product of ranges.
-    const Interval field =
-        b.taylor ? intersection(b.range, taylor_range(b, local.radius)) : b.range;
-    const WeightBound weight = weight_bound(term, primitive, local);
-    out.range = Interval(term.sign) * weight.w * field;
-    out.hessian = kInfinity;
-    for (std::size_t i = 0; i < 3; ++i) {
-      gradient[i] = Interval(term.sign) * (weight.w * gradient[i] + field * weight.gradient[i]);
-    }
-    out.gradient = to_world_gradient(term, gradient);
-    return out;
+    for (Interval& component : gradient) component = Interval(term.sign) * component;
+    return to_world_gradient(term, gradient);
+  });
+}
+
+double hessian_bound(const Term& term, const Aabb& box) {
+  if (!term.profiles.empty()) return kInfinity;
+  const LocalBox local = local_box(term, box);
+  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+    return near_bound(kernel, primitive, 2, reach(term, primitive, local)) * local.stretch *
+           local.stretch;
   });
 }
 

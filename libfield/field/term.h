@@ -42,17 +42,21 @@ void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> 
 /// What is known of f over a box, rounding of its evaluation included. With p0 the box's centre,
 /// either `taylor` is set and
 ///   |f(p) - f0 - g0.(p - p0)| <= 1/2 hessian |p - p0|^2 + rounding, hessian >= |D^2 f| on the box;
-/// or f lies in `range`, which was found to be no wider. Always: each component of the gradient
-/// lies in `gradient`.
-struct TermBound {
+/// or f lies in `range`, which was found to be no wider.
+struct ValueBound {
   bool taylor = false;
   Interval range;
   Jet center;             ///< f0 and g0, where taylor is set
-  double hessian = 0.0;   ///< infinite where there is no bound
+  double hessian = 0.0;   ///< where taylor is set
   double rounding = 0.0;  ///< of f0 against f(p0)
-  std::array<Interval, 3> gradient;
 };
-TermBound bound(const Term& term, const Aabb& box);
+ValueBound value_bound(const Term& term, const Aabb& box);
+
+/// Each component of the gradient of f lies in its interval, at every point of the box.
+std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box);
+
+/// >= |D^2 f| on the box; infinite where there is no bound, as under a profile.
+double hessian_bound(const Term& term, const Aabb& box);
 
 /// An upper bound of |f| at every point at least `distance` from the primitive's box.
 double magnitude_bound(const Term& term, double distance);
