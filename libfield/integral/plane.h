@@ -79,7 +79,7 @@ T plane_value(const Metaball& k, const T& d) {
 // unless said otherwise. d(z h)/dz = h + 2 z^2 K.
 
 inline double plane_slope_bound(const Cauchy& k, int order, double d) {
-  const double x = k.s * d * (k.s * d);
+  const double x = std::min(k.s * d * (k.s * d), 1e60);  // powers of it stay finite
   const auto cubed = [](double q) { return q * q * q; };
   if (order == 1) {
     const double peaked = std::max(x, 1.0 / 3.0);
@@ -91,7 +91,7 @@ inline double plane_slope_bound(const Cauchy& k, int order, double d) {
 }
 
 inline double plane_slope_bound(const Gaussian& k, int order, double d) {
-  const double x = k.a * d * (k.a * d);
+  const double x = std::min(k.a * d * (k.a * d), 1e15);  // exp(-x) is 0 long before
   const double cut = k.log_amplitude - Gaussian::kGreatestExponent;
   const auto h = [&](double at) { return k.derivative_envelope(0, std::sqrt(at) / k.a); };
   if (order == 1) {

@@ -30,7 +30,7 @@ struct Cauchy {
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {
-    const double x = s * r * (s * r);
+    const double x = std::min(s * r * (s * r), 1e60);  // powers of it stay finite
     if (order == 0) return rounded_up(amplitude / ((1.0 + x) * (1.0 + x)));
     // |h'| = 4 A s sqrt(x) q^-3 peaks at x = 1/5.
     if (order == 1) {

@@ -35,7 +35,7 @@ struct Gaussian {
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {
-    const double x = a * r * (a * r);
+    const double x = std::min(a * r * (a * r), 1e15);  // exp(-x) is 0 long before
     if (order == 0) return bounded_exp(x);
     // Where the exponent is cut off, |grad| and the curvature along the ray still grow with x.
     const double cut = log_amplitude - kGreatestExponent;
