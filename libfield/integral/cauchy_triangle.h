@@ -133,6 +133,7 @@ struct TriangleSums {
   T value{}, value_size{};    ///< sum e J1 and sum |e J1|
   T normal{}, normal_size{};  ///< sum e (J1 + Q J2) and sum |...|
   Vec3<T> inward{};           ///< -sum o J2
+  T inward_size{};            ///< sum J2
 };
 
 template <class T>
@@ -154,18 +155,25 @@ TriangleSums<T> cauchy_edges(const T& s, const TriangleFrame<T>& triangle,
     sums.normal += normal;
     sums.normal_size += abs(normal);
     sums.inward -= line.j2 * edge.outward;
+    sums.inward_size += line.j2;
   }
   return sums;
 }
 
-/// Whether rounding errors of the sums stay below a few times those that rounding the inputs makes,
-/// eps (|f| + |grad f| l) and eps (|grad f| + |Hessian| l) at the local scale l; |grad f|^2 / f
-/// stands for the Hessian.
-inline bool well_conditioned(const Jet& jet, double value_size, double normal_size, double scale) {
+/// Whether rounding errors of sums whose terms add up to `value_size` and `gradient_size` in
+/// absolute value stay below a few times those that rounding the inputs makes,
+/// eps (|f| + |grad f| l) and eps (|grad f| + |Hessian| l), l the distance of the farthest vertex.
+/// The greater of 4 s^2 f / (1 + s^2 l^2) and |grad f|^2 / f stands for the Hessian, which neither
+/// exceeds by much. (A value that cancellation made negative fails.)
+inline bool well_conditioned(const Jet& jet, double value_size, double gradient_size, double s2,
+                             double squared_scale) {
   constexpr double kGrowth = 4.0;
   const double slope = norm(jet.gradient);
+  const double scale = std::sqrt(squared_scale);
+  const double curvature =
+      std::max(4.0 * s2 * jet.value / (1.0 + s2 * squared_scale), slope * (slope / jet.value));
   return jet.value > 0.0 && value_size < kGrowth * (jet.value + slope * scale) &&
-         normal_size < kGrowth * slope * (1.0 + slope / jet.value * scale);
+         gradient_size < kGrowth * (slope + curvature * scale);
 }
 
 template <class T>
@@ -183,7 +191,8 @@ JetOf<T> unit_cauchy_triangle(const T& s, const TriangleFrame<T>& triangle, cons
   const T s2 = s * s;
   const T big_q = T(1) + s2 * (z * z);
   if constexpr (kIsDouble<T>) {
-    if (big_q > 0.25 * s2 * (triangle.height * triangle.height)) {
+    // Hopeless from the outset: wide or high above.
+    if (big_q > 4.0 * s2 * (triangle.height * triangle.height)) {
       return cauchy_triangle_tensor(s, triangle, point, z);
     }
   }
@@ -192,8 +201,9 @@ JetOf<T> unit_cauchy_triangle(const T& s, const TriangleFrame<T>& triangle, cons
   const T lift = -s2 * z * (T(4) * half * half);
   const JetOf<T> jet{half * sums.value, sums.inward + (lift * sums.normal) * triangle.normal};
   if constexpr (kIsDouble<T>) {
-    const double scale = std::sqrt(std::max({u[0], u[1], u[2]}));
-    if (!well_conditioned(jet, half * sums.value_size, std::abs(lift) * sums.normal_size, scale)) {
+    const double gradient_size = sums.inward_size + std::abs(lift) * sums.normal_size;
+    if (!well_conditioned(jet, half * sums.value_size, gradient_size, s2,
+                          std::max({u[0], u[1], u[2]}))) {
       return cauchy_triangle_tensor(s, triangle, point, z);
     }
   }
