@@ -69,7 +69,8 @@ def main(folder):
         out.write(HEAD)
         for n in (4, 8, 14, 16, 20):
             rule = legendre_rule(n)
-            out.write(f"template <>\ninline constexpr GaussLegendreRule<{n}> kGaussLegendre<{n}> = {{\n")
+            name = f"GaussLegendreRule<{n}> kGaussLegendre<{n}>"
+            out.write(f"template <>\ninline constexpr {name} = {{\n")
             out.write("    {" + ",\n     ".join(literal(x) for x, _ in rule) + "},\n")
             out.write("    {" + ",\n     ".join(literal(w) for _, w in rule) + "}};\n")
     scaled = lambda t: (lambda x: (1 + 2 * x) * erfcx(x))(3 * (1 + t) / (1 - t))

@@ -32,7 +32,8 @@ from mpmath import sqrt as wide_sqrt
 mp.dps = 33
 
 # The parts. Decimal numbers are the doubles nearest to them.
-ARC = dict(amplitude=1.5, s=2.5, center=(0.25, -0.125, 0.5), radius=0.875, normal=(1.0, 2.0, 2.0),
+ARC = dict(amplitude=1.5, s=2.5,
+           center=(0.25, -0.125, 0.5), radius=0.875, normal=(1.0, 2.0, 2.0),
            x_axis=(1.0, 0.0, 0.0), start=20.0, width=130.0)
 SEGMENT = dict(log_amplitude=0.75, a=1.75, p=(-0.5, 0.25, -0.75), q=(0.625, 1.0, 0.375))
 POINT = dict(amplitude=2.0, R=1.25, position=(0.125, 0.25, -0.375))
@@ -66,8 +67,8 @@ def rule(order, panels):
     nodes = []
     for k in range(order):
         slope = lambda x: order * (legendre(order - 1, x) - x * legendre(order, x)) / (1 - x * x)
-        x = findroot(lambda t: legendre(order, t), cos(pi * (k + mpf(3) / 4) / (order + mpf(1) / 2)),
-                     solver="newton", df=slope)
+        guess = cos(pi * (k + mpf(3) / 4) / (order + mpf(1) / 2))
+        x = findroot(lambda t: legendre(order, t), guess, solver="newton", df=slope)
         nodes.append(((1 + x) / 2, 1 / ((1 - x * x) * slope(x) ** 2)))
     return [((i + x) / panels, w / panels) for i in range(panels) for x, w in nodes]
 
@@ -114,7 +115,8 @@ def arc_nodes(part, order, panels):
     c = mpf(part["radius"])
     for t, w in rule(order, panels):
         angle = start + width * t
-        yield plus(plus(vector(part["center"]), c * cos(angle), x), c * sin(angle), y), w * c * width
+        q = plus(plus(vector(part["center"]), c * cos(angle), x), c * sin(angle), y)
+        yield q, w * c * width
 
 
 def segment_nodes(part, order, panels):
@@ -174,7 +176,8 @@ def evaluate(every_part, p):
         value += f
         gradient = plus(gradient, 2, g)
         slope += 2 * sqrt(float(dot(g, g))) * scale
-        curvature += scale * sqrt(sum(d * d for d in diagonal) + 2 * sum(d * d for d in hessian[3:]))
+        mixed = sum(d * d for d in hessian[3:])
+        curvature += scale * sqrt(sum(d * d for d in diagonal) + 2 * mixed)
     return value, gradient, slope, curvature
 
 
