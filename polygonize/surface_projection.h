@@ -18,9 +18,11 @@ struct Projection {
 
 /// For each point a point of the surface near it: along the gradient of F as far as to a change of
 /// sign, which proves that there is surface no farther than 1.05 `distance` (and, where the
-/// gradient varies, than `distance`, which is then refined). Where the gradient leads nowhere,
-/// along the directions of growing spheres up to `search_limit`; infinite distance if that finds
-/// nothing either. `local` is `surface` restricted to `box`, which contains the points. O(1) jets a
+/// gradient varies, than `distance`). A foot from which the point does not lie along the normal
+/// slides along the surface to where it does. Where the straight way leads nowhere, up or down the
+/// gradient in short steps, then along the directions of growing spheres up to `search_limit`;
+/// infinite distance if that finds nothing either. The foot may be that of a local minimum of the
+/// distance. `local` is `surface` restricted to `box`, which contains the points. O(1) jets a
 /// point, two where F is nearly linear over the distance.
 void project(const ImplicitSurface& surface, const ImplicitSurface& local, const Aabb& box,
              std::span<const Vec3d> points, double search_limit, std::span<Projection> out);
