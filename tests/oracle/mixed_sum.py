@@ -19,8 +19,8 @@ The committed table is its own input, so it is written anew by
 
 in a minute. The points were drawn once with `tests/oracle/mixed_sum.py --draw 1000`.
 
-No closed form is used, and nothing of the library. The orders below reach 1e-30 around the parts, which
-every run confirms at its first point against rules of higher order.
+No closed form is used, and nothing of the library. The orders below reach 1e-30 around the parts,
+which every run confirms at its first point against rules of higher order (to 1e-27).
 """
 import random
 import sys
