@@ -50,9 +50,10 @@ struct SlopeBound {
 
 class Search {
  public:
-  Search(const ImplicitSurface& surface, const Ray& ray, const RaySolverOptions& options,
-         RayCost& cost)
-      : surface_(surface), ray_(ray), options_(options), cost_(cost) {}
+  /// `tree` is that of the surface, or null.
+  Search(const ImplicitSurface& surface, const BoundTree* tree, const Ray& ray,
+         const RaySolverOptions& options, RayCost& cost)
+      : surface_(surface), tree_(tree), ray_(ray), options_(options), cost_(cost) {}
 
   /// Appends what is found on [t0, t1]; stops after the first if `first_only`.
   void run(double t0, double t1, bool first_only, std::vector<RayHit>& hits);
@@ -60,11 +61,13 @@ class Search {
  private:
   struct Piece {
     Node a, b;
-    SlopeBound bound;  ///< that of a longer piece holds as well
+    SlopeBound bound;       ///< that of a longer piece holds as well
+    bool enclosed = false;  ///< an enclosure has been tried already
     double h() const { return b.t - a.t; }
   };
 
   bool prepare(double t0, double t1);
+  void stack_pieces();
   void settle(Piece piece);
   void settle_unknown(Piece& piece);
   bool settle_from_ends(const Piece& piece);
@@ -96,6 +99,7 @@ class Search {
   }
 
   const ImplicitSurface& surface_;
+  const BoundTree* tree_;
   const Ray& ray_;
   const RaySolverOptions& options_;
   RayCost& cost_;
@@ -105,6 +109,7 @@ class Search {
   double scale_ = 0.0;  // largest |F| met
 
   std::vector<Piece> stack_;  // still to be settled, the nearest on top
+  std::size_t tallest_ = kDeepest;
 
   std::optional<Piece> undecided_;
   std::vector<RayHit>* hits_ = nullptr;
@@ -122,20 +127,18 @@ void Search::evaluate(Node& node) {
 void Search::evaluate_ends(Piece& piece) {
   evaluate(piece.a);
   evaluate(piece.b);
-  if (stack_.empty()) return;
-  // The next piece starts where this one ends.
-  Piece& next = stack_.back();
+  // The next piece, unless empty space lies between, starts where this one ends.
+  if (stack_.empty() || stack_.back().a.t != piece.b.t) return;
   if (is_undecided(piece.b)) {
     // A division fell on a root: step back to where F has a sign, if that is near.
-    const double step = 8.0 * noise() / std::abs(piece.b.f.slope);
+    const double step =
+        std::max(8.0 * noise() / std::abs(piece.b.f.slope), shortest(piece.b.t) / 16.0);
     if (step < piece.h() / 16.0) {
-      Node moved;
-      moved.t = piece.b.t - std::max(step, shortest(piece.b.t) / 16.0);
-      evaluate(moved);
-      piece.b = moved;
+      piece.b = {piece.b.t - step, {}, false};
+      evaluate(piece.b);
     }
   }
-  next.a = piece.b;
+  stack_.back().a = piece.b;
 }
 
 Aabb Search::box_of(const Piece& piece) const {
@@ -186,8 +189,9 @@ bool jets_are_useless(const SlopeBound& bound, double h, double most) {
 
 void Search::settle(Piece piece) {
   const double middle = 0.5 * (piece.a.t + piece.b.t);
-  if (spent() || stack_.size() >= kDeepest) return add_undecided(piece);
-  if (!piece.a.known || !piece.b.known) return settle_unknown(piece);
+  if (spent() || stack_.size() >= tallest_) return add_undecided(piece);
+  if (!piece.enclosed && !(piece.a.known && piece.b.known)) return settle_unknown(piece);
+  evaluate_ends(piece);
 
   // Jets at both ends: they may do with the bound at hand, or else with a tighter one.
   if (piece.bound.second_order() && settle_from_ends(piece)) return;
@@ -297,8 +301,8 @@ double Search::place_to_divide(const Piece& piece) const {
 void Search::divide(const Piece& piece, double t) {
   Node middle;
   middle.t = t;
-  Piece first{piece.a, middle, piece.bound};
-  stack_.push_back({middle, piece.b, piece.bound});
+  Piece first{piece.a, middle, piece.bound, false};
+  stack_.push_back({middle, piece.b, piece.bound, false});
   if (piece.a.known && piece.b.known) evaluate_ends(first);
   stack_.push_back(first);
 }
@@ -415,6 +419,34 @@ bool Search::prepare(double t0, double t1) {
   return true;
 }
 
+/// The ray as one piece, or the pieces that the tree leaves of it.
+void Search::stack_pieces() {
+  stack_.reserve(32);
+  if (!tree_ || !tree_->serves(ray_, t1_)) {
+    Piece whole;
+    whole.a.t = t0_;
+    whole.b.t = t1_;
+    stack_.push_back(whole);
+    return;
+  }
+  scale_ = tree_->scale();
+  std::vector<BoundTree::Stretch> stretches;
+  tree_->walk(ray_, {t0_, t1_}, stretches);
+  for (std::size_t i = stretches.size(); i-- > 0;) {
+    const BoundTree::Stretch& stretch = stretches[i];
+    Piece piece;
+    piece.a.t = stretch.t0;
+    piece.b.t = stretch.t1;
+    if (std::isfinite(stretch.hessian)) {
+      piece.bound.M = stretch.hessian;
+      piece.bound.h = stretch.cell_edge;
+      piece.enclosed = true;
+    }
+    stack_.push_back(piece);
+  }
+  tallest_ += stack_.size();
+}
+
 void Search::run(double t0, double t1, bool first_only, std::vector<RayHit>& hits) {
   hits_ = &hits;
   start_ = cost_.jets + cost_.bounds;
@@ -423,11 +455,7 @@ void Search::run(double t0, double t1, bool first_only, std::vector<RayHit>& hit
     hits.push_back({std::isfinite(t0_) ? t0_ : 0.0, kInfinity, RayStatus::uncertain, false});
     return;
   }
-  Piece whole;
-  whole.a.t = t0_;
-  whole.b.t = t1_;
-  stack_.reserve(32);
-  stack_.push_back(whole);
+  stack_pieces();
   while (!stack_.empty() && !(first_only && !hits.empty())) {
     const Piece next = stack_.back();
     stack_.pop_back();
@@ -442,23 +470,41 @@ void check_arguments(const Ray& ray, double t0, double t1) {
   require(!std::isnan(t0) && !std::isnan(t1), "a ray's range is no NaN");
 }
 
+RayHit first(const ImplicitSurface& surface, const BoundTree* tree, const Ray& ray, double t0,
+             double t1, const RaySolverOptions& options, RayCost* cost) {
+  check_arguments(ray, t0, t1);
+  RayCost own;
+  std::vector<RayHit> hits;
+  Search(surface, tree, ray, options, cost ? *cost : own).run(t0, t1, true, hits);
+  return hits.empty() ? RayHit{t1, 0.0, RayStatus::miss, false} : hits.front();
+}
+
+void all(const ImplicitSurface& surface, const BoundTree* tree, const Ray& ray, double t0,
+         double t1, const RaySolverOptions& options, std::vector<RayHit>& hits, RayCost* cost) {
+  check_arguments(ray, t0, t1);
+  RayCost own;
+  hits.clear();
+  Search(surface, tree, ray, options, cost ? *cost : own).run(t0, t1, false, hits);
+}
+
 }  // namespace
 
 RayHit first_hit(const ImplicitSurface& surface, const Ray& ray, double t0, double t1,
                  const RaySolverOptions& options, RayCost* cost) {
-  check_arguments(ray, t0, t1);
-  RayCost own;
-  std::vector<RayHit> hits;
-  Search(surface, ray, options, cost ? *cost : own).run(t0, t1, true, hits);
-  return hits.empty() ? RayHit{t1, 0.0, RayStatus::miss, false} : hits.front();
+  return first(surface, nullptr, ray, t0, t1, options, cost);
+}
+RayHit first_hit(const BoundTree& tree, const Ray& ray, double t0, double t1,
+                 const RaySolverOptions& options, RayCost* cost) {
+  return first(tree.surface(), &tree, ray, t0, t1, options, cost);
 }
 
 void all_hits(const ImplicitSurface& surface, const Ray& ray, double t0, double t1,
               const RaySolverOptions& options, std::vector<RayHit>& hits, RayCost* cost) {
-  check_arguments(ray, t0, t1);
-  RayCost own;
-  hits.clear();
-  Search(surface, ray, options, cost ? *cost : own).run(t0, t1, false, hits);
+  all(surface, nullptr, ray, t0, t1, options, hits, cost);
+}
+void all_hits(const BoundTree& tree, const Ray& ray, double t0, double t1,
+              const RaySolverOptions& options, std::vector<RayHit>& hits, RayCost* cost) {
+  all(tree.surface(), &tree, ray, t0, t1, options, hits, cost);
 }
 
 }  // namespace cs2mesh

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "libfield/field/implicit_surface.h"
+#include "libfield/ray/bound_tree.h"
 #include "libfield/ray/ray.h"
 
 namespace cs2mesh {
@@ -61,6 +62,12 @@ RayHit first_hit(const ImplicitSurface& surface, const Ray& ray, double t0, doub
 /// Replaces `hits` by all sign changes and uncertain places on the range, in order of t. Two roots
 /// nearer to each other than the accuracy appear as one uncertain place.
 void all_hits(const ImplicitSurface& surface, const Ray& ray, double t0, double t1,
+              const RaySolverOptions& options, std::vector<RayHit>& hits, RayCost* cost = nullptr);
+
+/// The same by a tree of bounds, which takes most of the work off each ray: for many rays.
+RayHit first_hit(const BoundTree& tree, const Ray& ray, double t0, double t1,
+                 const RaySolverOptions& options = {}, RayCost* cost = nullptr);
+void all_hits(const BoundTree& tree, const Ray& ray, double t0, double t1,
               const RaySolverOptions& options, std::vector<RayHit>& hits, RayCost* cost = nullptr);
 
 }  // namespace cs2mesh

@@ -8,7 +8,6 @@
 #include <limits>
 #include <vector>
 
-#include "libfield/ray/beam.h"
 #include "libfield/ray/shading.h"
 
 namespace cs2mesh {
@@ -16,10 +15,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr int kTile = 16;  // pixels a side that one thread does
-constexpr int kCell = 4;   // pixels a side that are cleared of empty space together, at last
-
-/// For each part, where rays can meet it.
-using Occupancy = std::vector<std::vector<RayRange>>;
 
 /// The surface that a ray meets first.
 struct Sight {
@@ -40,16 +35,16 @@ class Tracer {
     Vec3d normal;
     std::uint64_t jets = 0;
   };
-  /// What the beam meets within `known`; nothing is known at first.
-  Occupancy occupancy(const Beam& beam, const Occupancy& known, RenderStatistics& statistics) const;
-  Occupancy nothing_known() const { return Occupancy(compiled_.parts.size(), {{0.0, kInfinity}}); }
-  /// The ray belongs to the beam of that occupancy.
-  Sample trace(const Ray& ray, const Occupancy& occupancy, RenderStatistics& statistics) const;
+  Sample trace(const Ray& ray, RenderStatistics& statistics) const;
+  std::uint64_t tree_bounds() const {
+    std::uint64_t sum = 0;
+    for (const BoundTree& tree : trees_) sum += tree.bounds_taken();
+    return sum;
+  }
 
  private:
-  Sight look(const Ray& ray, const Occupancy& occupancy, RayCost& cost,
-             std::uint64_t& uncertain) const;
-  std::optional<RayHit> meet(const ImplicitSurface& surface, const Ray& ray, RayRange range,
+  Sight look(const Ray& ray, RayCost& cost, std::uint64_t& uncertain) const;
+  std::optional<RayHit> meet(const BoundTree& tree, const Ray& ray, RayRange range,
                              const RaySolverOptions& solver, RayCost& cost,
                              std::uint64_t& uncertain) const;
   bool in_shadow(const Vec3d& point, const Vec3d& light, RenderStatistics& statistics) const;
@@ -59,6 +54,7 @@ class Tracer {
   const CompiledScene& compiled_;
   const Scene& scene_;
   const RenderOptions& options_;
+  std::vector<BoundTree> trees_;  // one a part
   std::vector<Light> lights_;
   Vec3d background_;
   double size_ = 1.0;  // a length scale of the scene
@@ -74,16 +70,18 @@ Tracer::Tracer(const CompiledScene& compiled, const Scene& scene, const View& vi
   if (compiled.extent.finite() && compiled.extent.diagonal() > 0.0) {
     size_ = compiled.extent.diagonal();
   }
+  trees_.reserve(compiled.parts.size());
+  for (const Part& part : compiled.parts) trees_.emplace_back(*part.surface);
 }
 
 /// The first crossing. Uncertain places are counted and passed over, unless what follows is a way
 /// out: then the way in was there.
-std::optional<RayHit> Tracer::meet(const ImplicitSurface& surface, const Ray& ray, RayRange range,
+std::optional<RayHit> Tracer::meet(const BoundTree& tree, const Ray& ray, RayRange range,
                                    const RaySolverOptions& solver, RayCost& cost,
                                    std::uint64_t& uncertain) const {
   std::optional<RayHit> doubtful;
   for (int places = 0; places < 16; ++places) {
-    const RayHit hit = first_hit(surface, ray, range.t0, range.t1, solver, &cost);
+    const RayHit hit = first_hit(tree, ray, range.t0, range.t1, solver, &cost);
     if (hit.status == RayStatus::miss) return std::nullopt;
     if (hit.status == RayStatus::hit) return doubtful && !hit.entering ? doubtful : hit;
     ++uncertain;
@@ -95,31 +93,13 @@ std::optional<RayHit> Tracer::meet(const ImplicitSurface& surface, const Ray& ra
   return std::nullopt;
 }
 
-Occupancy Tracer::occupancy(const Beam& beam, const Occupancy& known,
-                            RenderStatistics& statistics) const {
-  Occupancy occupancy;
-  for (std::size_t i = 0; i < compiled_.parts.size(); ++i) {
-    occupancy.push_back(
-        occupied_ranges(*compiled_.parts[i].surface, beam, known[i], &statistics.beam_cost));
-  }
-  return occupancy;
-}
-
-Sight Tracer::look(const Ray& ray, const Occupancy& occupancy, RayCost& cost,
-                   std::uint64_t& uncertain) const {
+Sight Tracer::look(const Ray& ray, RayCost& cost, std::uint64_t& uncertain) const {
   Sight sight;
   for (std::size_t i = 0; i < compiled_.parts.size(); ++i) {
-    const Part& part = compiled_.parts[i];
-    for (RayRange range : occupancy[i]) {
-      range.t1 = std::min(range.t1, sight.t);
-      if (range.empty()) break;
-      const std::optional<RayHit> hit =
-          meet(*part.surface, ray, range, options_.solver, cost, uncertain);
-      if (!hit) continue;
-      // Where two parts agree to rounding the first in the scene is seen.
-      if (hit->t < sight.t) sight = {&part, hit->t, hit->t_error};
-      break;
-    }
+    const std::optional<RayHit> hit =
+        meet(trees_[i], ray, {0.0, sight.t}, options_.solver, cost, uncertain);
+    // Where two parts agree to rounding the first in the scene is seen.
+    if (hit && hit->t < sight.t) sight = {&compiled_.parts[i], hit->t, hit->t_error};
   }
   return sight;
 }
@@ -133,8 +113,8 @@ bool Tracer::in_shadow(const Vec3d& point, const Vec3d& light, RenderStatistics&
   RaySolverOptions solver = options_.solver;
   solver.accuracy = 1e-6 * size_;
   const Ray ray{point, way / distance};
-  for (const Part& part : compiled_.parts) {
-    if (meet(*part.surface, ray, {0.0, distance}, solver, statistics.shadow_cost,
+  for (const BoundTree& tree : trees_) {
+    if (meet(tree, ray, {0.0, distance}, solver, statistics.shadow_cost,
              statistics.shadow_uncertain)) {
       return true;
     }
@@ -166,10 +146,9 @@ Vec3d shown(const Vec3d& color) {
   return {channel(color.x), channel(color.y), channel(color.z)};
 }
 
-Tracer::Sample Tracer::trace(const Ray& ray, const Occupancy& occupancy,
-                             RenderStatistics& statistics) const {
+Tracer::Sample Tracer::trace(const Ray& ray, RenderStatistics& statistics) const {
   RayCost cost;
-  const Sight sight = look(ray, occupancy, cost, statistics.uncertain);
+  const Sight sight = look(ray, cost, statistics.uncertain);
   Sample sample;
   sample.jets = cost.jets;
   if (!sight.part) {
@@ -195,16 +174,14 @@ Tracer::Sample Tracer::trace(const Ray& ray, const Occupancy& occupancy,
 /// The picture cut into squares, each done by one thread.
 class Tiles {
  public:
-  Tiles(const Tracer& tracer, const View& view, int width, int height, Progress* progress)
-      : tracer_(tracer),
-        view_(view),
-        width_(width),
+  Tiles(int width, int height, Progress* progress)
+      : width_(width),
         height_(height),
         columns_((width + kTile - 1) / kTile),
         rows_((height + kTile - 1) / kTile),
         progress_(progress) {}
 
-  /// Calls pixel(x, y, occupancy, statistics) for every pixel that is `wanted`. False if cancelled.
+  /// Calls pixel(x, y, statistics) for every pixel that is `wanted`. False if cancelled.
   template <class Wanted, class Pixel>
   bool for_each_pixel(const char* stage, RenderStatistics& sum, const Wanted& wanted,
                       const Pixel& pixel) const {
@@ -214,8 +191,14 @@ class Tiles {
     std::atomic<bool> cancelled{false};
     tbb::parallel_for(0, count, [&](int tile) {
       if (cancelled.load(std::memory_order_relaxed)) return;
-      const Rectangle rectangle = cut(tile % columns_ * kTile, tile / columns_ * kTile, kTile);
-      do_tile(rectangle, by_tile[static_cast<std::size_t>(tile)], wanted, pixel);
+      const int x0 = tile % columns_ * kTile;
+      const int y0 = tile / columns_ * kTile;
+      RenderStatistics& statistics = by_tile[static_cast<std::size_t>(tile)];
+      for (int y = y0; y < std::min(height_, y0 + kTile); ++y) {
+        for (int x = x0; x < std::min(width_, x0 + kTile); ++x) {
+          if (wanted(x, y)) pixel(x, y, statistics);
+        }
+      }
       const int finished = ++done;
       if (!progress_) return;
       progress_->report(stage, static_cast<double>(finished) / count);
@@ -226,44 +209,6 @@ class Tiles {
   }
 
  private:
-  /// The pixels [x0, x1) x [y0, y1).
-  struct Rectangle {
-    int x0, y0, x1, y1;
-  };
-  Rectangle cut(int x, int y, int size) const {
-    return {x, y, std::min(width_, x + size), std::min(height_, y + size)};
-  }
-
-  Occupancy occupancy(const Rectangle& r, const Occupancy& known,
-                      RenderStatistics& statistics) const {
-    const double w = width_;
-    const double h = height_;
-    const Beam beam(view_, r.x0 / w, r.y0 / h, r.x1 / w, r.y1 / h);
-    return tracer_.occupancy(beam, known, statistics);
-  }
-
-  template <class Wanted, class Pixel>
-  void do_tile(const Rectangle& tile, RenderStatistics& statistics, const Wanted& wanted,
-               const Pixel& pixel) const {
-    std::optional<Occupancy> of_tile;
-    for (int v = tile.y0; v < tile.y1; v += kCell) {
-      for (int u = tile.x0; u < tile.x1; u += kCell) {
-        const Rectangle cell = cut(u, v, kCell);
-        std::optional<Occupancy> of_cell;
-        for (int y = cell.y0; y < cell.y1; ++y) {
-          for (int x = cell.x0; x < cell.x1; ++x) {
-            if (!wanted(x, y)) continue;
-            if (!of_tile) of_tile = occupancy(tile, tracer_.nothing_known(), statistics);
-            if (!of_cell) of_cell = occupancy(cell, *of_tile, statistics);
-            pixel(x, y, *of_cell, statistics);
-          }
-        }
-      }
-    }
-  }
-
-  const Tracer& tracer_;
-  const View& view_;
   int width_, height_, columns_, rows_;
   Progress* progress_;
 };
@@ -321,7 +266,6 @@ RenderStatistics& RenderStatistics::operator+=(const RenderStatistics& other) {
   hit_cost += other.hit_cost;
   miss_cost += other.miss_cost;
   shadow_cost += other.shadow_cost;
-  beam_cost += other.beam_cost;
   return *this;
 }
 
@@ -334,21 +278,22 @@ Result<RenderedImage> render(const CompiledScene& compiled, const Scene& scene,
                         ? *options.view
                         : make_view(scene.camera, compiled.extent, frame.width, frame.height);
   const Tracer tracer(compiled, scene, view, options);
-  const Tiles tiles(tracer, view, frame.width, frame.height, options.progress);
+  const Tiles tiles(frame.width, frame.height, options.progress);
   const auto interrupted = [] {
     return error_at({}, "interrupted while rendering", Failure::interrupted);
   };
 
   // One ray through the centre of every pixel.
   RenderedImage image;
+  image.statistics.tree_bounds = tracer.tree_bounds();
   image.color = ColorImage(frame.width, frame.height);
   if (options.depth) image.depth = ScalarImage(frame.width, frame.height);
   if (options.normal) image.normal = ColorImage(frame.width, frame.height);
   if (options.cost) image.cost = ScalarImage(frame.width, frame.height);
   const auto all = [](int, int) { return true; };
-  const auto center = [&](int x, int y, const Occupancy& occupancy, RenderStatistics& statistics) {
+  const auto center = [&](int x, int y, RenderStatistics& statistics) {
     const Ray ray = view.ray((x + 0.5) / frame.width, (y + 0.5) / frame.height);
-    const Tracer::Sample sample = tracer.trace(ray, occupancy, statistics);
+    const Tracer::Sample sample = tracer.trace(ray, statistics);
     image.color.at(x, y) = Vec3<float>(sample.color);
     if (options.depth) image.depth.at(x, y) = static_cast<float>(sample.depth);
     if (options.normal) image.normal.at(x, y) = Vec3<float>(sample.normal);
@@ -361,12 +306,12 @@ Result<RenderedImage> render(const CompiledScene& compiled, const Scene& scene,
   const ColorImage first = image.color;
   const int n = frame.samples;
   const auto edge = [&](int x, int y) { return stands_out(first, x, y, options.contrast); };
-  const auto refine = [&](int x, int y, const Occupancy& occupancy, RenderStatistics& statistics) {
+  const auto refine = [&](int x, int y, RenderStatistics& statistics) {
     Vec3d sum;
     for (int k = 0; k < n * n; ++k) {
       const double u = (x + (k % n + 0.5) / n) / frame.width;
       const double v = (y + (k / n + 0.5) / n) / frame.height;
-      sum += tracer.trace(view.ray(u, v), occupancy, statistics).color;
+      sum += tracer.trace(view.ray(u, v), statistics).color;
     }
     image.color.at(x, y) = Vec3<float>(sum / static_cast<double>(n * n));
   };

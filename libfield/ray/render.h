@@ -33,7 +33,7 @@ struct RenderStatistics {
   std::uint64_t uncertain = 0, shadow_uncertain = 0;
   RayCost hit_cost, miss_cost;  ///< of the rays from the eye, shading left out
   RayCost shadow_cost;
-  RayCost beam_cost;  ///< of clearing empty space for whole tiles of the picture at once
+  std::uint64_t tree_bounds = 0;  ///< bounds taken before the first ray (see BoundTree)
 
   RenderStatistics& operator+=(const RenderStatistics& other);
 };

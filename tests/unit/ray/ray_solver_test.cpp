@@ -8,6 +8,7 @@
 
 #include "libfield/base/check.h"
 #include "libfield/base/random.h"
+#include "libfield/ray/bound_tree.h"
 #include "tests/unit/ray/analytic_surfaces.h"
 
 namespace cs2mesh {
@@ -266,6 +267,70 @@ TEST(RaySolver, CostsLittle) {
   RecordProperty("bounds_per_miss", std::to_string(mean(miss_cost.bounds, misses)));
   EXPECT_LE(mean(hit_cost.jets, hits), 15.0);
   EXPECT_LE(mean(miss_cost.jets, misses), 3.0);
+}
+
+TEST(RaySolver, FindsTheSameByATreeOfBoundsWithFewerOfThem) {
+  const GaussianSum blobs = three_blobs();
+  const Torus torus(1.0, 0.35);
+  const Cube cube(0.8);
+  for (const ImplicitSurface* surface :
+       {static_cast<const ImplicitSurface*>(&blobs), static_cast<const ImplicitSurface*>(&torus),
+        static_cast<const ImplicitSurface*>(&cube)}) {
+    const BoundTree tree(*surface, 5000);
+    Random random(7);
+    RayCost alone_cost;
+    RayCost tree_cost;
+    for (int i = 0; i < 400; ++i) {
+      Ray ray = random_ray(random, 1.5);
+      // Along the planes between cells, too.
+      if (i % 10 == 0) ray = {{-6, 0, 0.01 * i}, {1, 0, 0}};
+      std::vector<RayHit> alone;
+      std::vector<RayHit> by_tree;
+      all_hits(*surface, ray, 0.0, 12.0, {}, alone, &alone_cost);
+      all_hits(tree, ray, 0.0, 12.0, {}, by_tree, &tree_cost);
+      ASSERT_EQ(alone.size(), by_tree.size()) << i;
+      for (std::size_t k = 0; k < alone.size(); ++k) {
+        EXPECT_EQ(alone[k].status, by_tree[k].status);
+        EXPECT_EQ(alone[k].entering, by_tree[k].entering);
+        EXPECT_NEAR(alone[k].t, by_tree[k].t, alone[k].t_error + by_tree[k].t_error);
+      }
+    }
+    EXPECT_LT(tree_cost.bounds, alone_cost.bounds);
+  }
+}
+
+TEST(RaySolver, ATreeLeavesOutNoSurface) {
+  const GaussianSum blobs = three_blobs();
+  const BoundTree tree(blobs, 2000);
+  Random random(8);
+  for (int i = 0; i < 300; ++i) {
+    const Ray ray = random_ray(random, 1.5);
+    std::vector<BoundTree::Stretch> stretches;
+    tree.walk(ray, {0.0, 12.0}, stretches);
+    double covered_to = 0.0;
+    for (const BoundTree::Stretch& stretch : stretches) {
+      EXPECT_GE(stretch.t0, covered_to);
+      EXPECT_GT(stretch.t1, stretch.t0);
+      covered_to = stretch.t1;
+    }
+    for (const Interval& crossing : sampled_crossings(blobs, ray, 12.0, 500)) {
+      bool covered = false;
+      for (const BoundTree::Stretch& stretch : stretches) {
+        covered = covered || (stretch.t0 <= crossing.hi && crossing.lo <= stretch.t1);
+      }
+      EXPECT_TRUE(covered);
+    }
+  }
+}
+
+TEST(RaySolver, FromAfarTheTreeSteersClearOfRounding) {
+  const Sphere sphere({0, 0, 0}, 1.0);
+  const BoundTree tree(sphere);
+  const double far = 1e10;
+  EXPECT_FALSE(tree.serves({{-far, 0, 0}, {1, 0, 0}}, far));
+  const RayHit hit = first_hit(tree, {{-far, 0, 0}, {1, 0, 0}}, 0.0, 2.0 * far);
+  EXPECT_EQ(hit.status, RayStatus::hit);
+  EXPECT_NEAR(hit.t, far - 1.0, hit.t_error);
 }
 
 TEST(RaySolver, GivesUpWithinItsBudgetAndSaysSo) {
