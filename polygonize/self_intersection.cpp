@@ -106,7 +106,8 @@ std::optional<SelfIntersections> find_self_intersections(const TriangleMesh& mes
   SelfIntersections found;
   const auto test = [&](const TriangleBox* a, const TriangleBox* b) {
     if (!intersect(mesh, mesh.triangles[a->id()], mesh.triangles[b->id()])) return;
-    const auto [low, high] = std::minmax(a->id(), b->id());
+    const auto low = std::min(a->id(), b->id());
+    const auto high = std::max(a->id(), b->id());
     found.pairs.push_back(
         {static_cast<TriangleMesh::Index>(low), static_cast<TriangleMesh::Index>(high)});
   };
