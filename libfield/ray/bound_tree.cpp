@@ -13,6 +13,8 @@ namespace {
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 /// Cells are no smaller than the root over 2^10.
 constexpr int kDeepest = 10;
+/// Where F has creases there is no |D^2 F| to wait for, only empty cells to find.
+constexpr int kDeepestCreased = 6;
 
 }  // namespace
 
@@ -36,10 +38,12 @@ BoundTree::BoundTree(const ImplicitSurface& surface, std::size_t most_cells) : s
     tbb::parallel_for(std::size_t{0}, level.size(), [&](std::size_t i) {
       unfit[i] = examine(level[i], cells_[level[i].cell]) ? 1 : 0;
     });
-    bounds_taken_ += 2 * level.size();
+    for (const Place& place : level) bounds_taken_ += cells_[place.cell].empty ? 1 : 2;
     std::vector<Place> next;
     for (std::size_t i = 0; i < level.size() && depth < kDeepest; ++i) {
       if (!unfit[i] || cells_.size() + 8 > most_cells) continue;
+      const bool creased = !std::isfinite(cells_[level[i].cell].hessian);
+      if (creased && depth >= kDeepestCreased) continue;
       const std::size_t first = cells_.size();
       cells_[level[i].cell].first_child = static_cast<std::int32_t>(first);
       cells_.resize(first + 8);

@@ -168,9 +168,9 @@ void Search::bound_slope(Piece& piece, const Aabb& box) {
   const std::array<Interval, 3> gradient = surface_.enclose_gradient(box);
   bound.slope = Interval(ray_.direction.x) * gradient[0] +
                 Interval(ray_.direction.y) * gradient[1] + Interval(ray_.direction.z) * gradient[2];
-  ++cost_.bounds;
-  const double lipschitz = surface_.derivative_bound(1, box);
-  if (lipschitz >= 0.0) {
+  if (!std::isfinite(bound.slope.lo) || !std::isfinite(bound.slope.hi)) {
+    ++cost_.bounds;
+    const double lipschitz = surface_.derivative_bound(1, box);
     bound.slope = {std::max(bound.slope.lo, -lipschitz), std::min(bound.slope.hi, lipschitz)};
   }
   if (!(bound.slope.lo <= bound.slope.hi)) bound.slope = Interval::everything();

@@ -27,7 +27,7 @@ struct Sight {
 class Tracer {
  public:
   Tracer(const CompiledScene& compiled, const Scene& scene, const View& view,
-         const RenderOptions& options);
+         const RenderOptions& options, std::size_t tree_cells);
 
   struct Sample {
     Vec3d color;  ///< linear, 0..1
@@ -61,7 +61,7 @@ class Tracer {
 };
 
 Tracer::Tracer(const CompiledScene& compiled, const Scene& scene, const View& view,
-               const RenderOptions& options)
+               const RenderOptions& options, std::size_t tree_cells)
     : compiled_(compiled),
       scene_(scene),
       options_(options),
@@ -71,7 +71,7 @@ Tracer::Tracer(const CompiledScene& compiled, const Scene& scene, const View& vi
     size_ = compiled.extent.diagonal();
   }
   trees_.reserve(compiled.parts.size());
-  for (const Part& part : compiled.parts) trees_.emplace_back(*part.surface);
+  for (const Part& part : compiled.parts) trees_.emplace_back(*part.surface, tree_cells);
 }
 
 /// The first crossing. Uncertain places are counted and passed over, unless what follows is a way
@@ -277,7 +277,10 @@ Result<RenderedImage> render(const CompiledScene& compiled, const Scene& scene,
   const View view = options.view
                         ? *options.view
                         : make_view(scene.camera, compiled.extent, frame.width, frame.height);
-  const Tracer tracer(compiled, scene, view, options);
+  // Cells pay by the rays that share them.
+  const long long rays = static_cast<long long>(frame.width) * frame.height * frame.samples;
+  const auto tree_cells = static_cast<std::size_t>(std::clamp(rays / 2, 5000LL, 400000LL));
+  const Tracer tracer(compiled, scene, view, options, tree_cells);
   const Tiles tiles(frame.width, frame.height, options.progress);
   const auto interrupted = [] {
     return error_at({}, "interrupted while rendering", Failure::interrupted);
