@@ -1,10 +1,9 @@
 // A bisection that stops as early as bounds allow. A piece [a, b] of the ray is settled by the
 // first of
-//   1. the enclosure of F over its box does not contain 0                       no root
-//   2. value and slope at both ends and |F''| <= M prove F monotone             0 or 1 root, by
-//   sign
-//   3. ... or of one sign throughout                                            no root
-//   4. it is shorter than the accuracy                                          uncertain
+//   1. the enclosure of F over its box does not contain 0: no root
+//   2. value and slope at both ends and |F''| <= M prove F monotone: 0 or 1 root, by the signs
+//   3. they prove F to be of one sign throughout: no root
+//   4. it is shorter than the accuracy, or F is lost in rounding: uncertain
 // and divided otherwise. Where F has no bounded second derivative (a crease), the slopes' enclosure
 // takes the place of M. The certificates are those of certificate.h.
 #include "libfield/ray/ray_solver.h"
