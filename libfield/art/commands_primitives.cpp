@@ -114,8 +114,8 @@ void arch(SceneBuilder& builder, Arguments& args) {
               "no circular arc runs through these points, expected the second between the others");
     return;
   }
-  Primitive skeleton = std::visit([](const auto& c) -> Primitive { return c; }, *curve);
-  builder.add(args, ElementKind::arch, std::move(skeleton), material, radius);
+  const Primitive skeleton = std::visit([](const auto& c) -> Primitive { return c; }, *curve);
+  builder.add(args, ElementKind::arch, skeleton, material, radius);
 }
 
 }  // namespace cs2mesh::commands

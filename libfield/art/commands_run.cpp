@@ -27,7 +27,7 @@ Value read_value(Arguments& args) {
   if (word.empty() || parse_number(word).status != NumberStatus::not_a_number) {
     return args.number("a value: one number, three numbers or a name");
   }
-  const Value value = value_of_word(args, word);
+  Value value = value_of_word(args, word);
   if (!args.failed()) args.skip();
   return value;
 }

@@ -72,7 +72,7 @@ double negative(Arguments& args, std::string_view what) {
 KernelKind read_kernel(Arguments& args) {
   const std::string_view word = args.peek();
   // "meta" is short for two words that mean the same.
-  if (word.size() >= 1 && std::string_view("metaball").starts_with(word)) {
+  if (!word.empty() && std::string_view("metaball").starts_with(word)) {
     args.skip();
     return KernelKind::metaball;
   }

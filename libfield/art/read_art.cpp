@@ -61,8 +61,8 @@ class ArtReader {
 /// Each definition is a `var` line of its own.
 void ArtReader::define_variables() {
   for (const auto& [name, value] : options_.defines) {
-    const std::string text = "var " + name + " = " + value;
-    const std::string place = "-D " + name + "=" + value;
+    const std::string text = std::string("var ").append(name).append(" = ").append(value);
+    const std::string place = std::string("-D ").append(name).append("=").append(value);
     DiagnosticLog& log = builder_.log();
     if (const auto error = check_is_text(text, place)) {
       log.error({place, 0, 0}, "this is not text, expected name=value");

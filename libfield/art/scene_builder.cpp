@@ -72,13 +72,13 @@ bool SceneBuilder::has_room(Arguments& args, std::size_t elements, std::size_t o
   return false;
 }
 
-void SceneBuilder::add(Arguments& args, ElementKind kind, Primitive skeleton, int material,
+void SceneBuilder::add(Arguments& args, ElementKind kind, const Primitive& skeleton, int material,
                        std::optional<double> own_radius, Spelling spelling) {
   if (!args.finish() || !has_room(args, 1, 0)) return;
   Element element;
   element.kind = kind;
   element.spelling = spelling;
-  element.skeleton = std::move(skeleton);
+  element.skeleton = skeleton;
   element.own_radius = own_radius;
   element.material = material;
   element.object = open_.empty() ? -1 : open_.back().index;

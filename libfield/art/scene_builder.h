@@ -39,7 +39,7 @@ class SceneBuilder {
   /// A surface by its name or by a material variable; fails where there is none.
   int material_named(Arguments& args);
   /// Adds a primitive to the innermost open object. Without effect if `args` has failed.
-  void add(Arguments& args, ElementKind kind, Primitive skeleton, int material,
+  void add(Arguments& args, ElementKind kind, const Primitive& skeleton, int material,
            std::optional<double> own_radius = std::nullopt, Spelling spelling = Spelling::plain);
 
   /// Opens an object; a chain if it has a material.
