@@ -47,8 +47,8 @@ std::optional<Length> parse_length(const std::string& text);
 CLI::Option* add_length_option(CLI::App& app, const std::string& name, std::optional<Length>& out,
                                const std::string& description);
 
-/// Takes the words of a command line apart. Prints help to stdout and throws Exit{kDone} where it is asked for;
-/// prints what is wrong with the usage and throws Exit{kBadInput}.
+/// Takes the words of a command line apart. Prints help to stdout and throws Exit{kDone} where it
+/// is asked for; prints what is wrong with the usage and throws Exit{kBadInput}.
 void parse(CLI::App& app, const Words& arguments);
 
 }  // namespace cs2mesh

@@ -4,14 +4,11 @@
 #include <string>
 
 #include "cli/load_scene.h"
+#include "cli/mesh_report.h"
 #include "cli/verbs.h"
 
 namespace cs2mesh {
 namespace {
-
-Json to_json(const Vec3d& v) {
-  return Json::array({v.x, v.y, v.z});
-}
 
 Json element_counts(const Scene& scene) {
   std::map<std::string, int> kinds;

@@ -5,11 +5,13 @@
 namespace cs2mesh {
 namespace {
 
-constexpr std::array<Verb, 3> kVerbs = {{
+constexpr std::array<Verb, 6> kVerbs = {{
+    {"render", "render SCENE OUT.png", "ray-trace the reference image", run_render},
+    {"compare", "compare SCENE MESH", "measure a mesh against the exact surface", run_compare},
+    {"check", "check MESH", "closed? manifold? self-intersecting? where?", run_check},
     {"probe", "probe SCENE POINTS", "field value and gradient at points", run_probe},
     {"info", "info SCENE", "what the scene holds", run_info},
-    {"help", "help [VERB|COMMAND]",
-     "the manual, also of each command of the language (help commands lists them)", run_help},
+    {"help", "help [VERB|COMMAND]", "the manual, also of each command of the language", run_help},
 }};
 
 }  // namespace
@@ -20,7 +22,9 @@ std::span<const Verb> all_verbs() {
 
 std::string overview() {
   std::string text =
-      "cs2mesh " CS2MESH_VERSION ": convolution surfaces to meshes one can trust\n\n";
+      "cs2mesh " CS2MESH_VERSION
+      ": convolution surfaces to meshes one can trust\n\n"
+      "  cs2mesh SCENE OUT...                      mesh a scene; the extension picks the format\n";
   for (const Verb& verb : kVerbs) {
     std::string line = "  cs2mesh " + std::string(verb.usage);
     line.resize(std::max<std::size_t>(line.size() + 2, 44), ' ');

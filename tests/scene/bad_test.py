@@ -1,7 +1,6 @@
 """Every file in data/bad gives the messages and the status that its .expected file says: a line
-`status N`, then what stands on stderr. The program runs in data/bad and may write nothing."""
-
-import unittest
+`status N`, then what stands on stderr. The program runs in data/bad, quietly, and writes nothing
+unless the status is 0."""
 
 from harness import SOURCE, SceneTest, main
 
@@ -10,10 +9,10 @@ BAD = SOURCE / "data" / "bad"
 
 class BadInputs(SceneTest):
     def check(self, expected_path):
-        name = expected_path.name.removesuffix(".expected")
+        scene = expected_path.with_suffix(".art").name
         first, _, words = expected_path.read_text(encoding="utf-8").partition("\n")
         out = self.folder / "out.obj"
-        done = self.run_program(name, out, cwd=BAD)
+        done = self.run_program(scene, out, "--quiet", cwd=BAD)
         self.assertEqual(f"status {done.returncode}", first, done.stderr)
         self.assertEqual(done.stderr, words)
         self.assertEqual(done.stdout, "")

@@ -1,0 +1,132 @@
+#include "cli/mesh_parts.h"
+
+#include <algorithm>
+
+#include "polygonize/attributes.h"
+#include "polygonize/tolerance.h"
+
+namespace cs2mesh {
+namespace {
+
+constexpr double kDefaultTolerance = 0.001;  // of the diagonal
+
+/// The length scale of a part; one without radii (widths alone) has that of its box.
+double length_scale(const Part& part) {
+  if (part.thinnest_radius > 0) return part.thinnest_radius;
+  const double diagonal = part.surface->bounds().diagonal();
+  return diagonal > 0 ? 0.25 * diagonal : 1.0;
+}
+
+TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console& console) {
+  LatticeOptions options;
+  options.cell = cell;
+  options.progress = &console.progress();
+  LatticeStatistics statistics;
+  TriangleMesh mesh = console.take(mesh_lattice(*part.surface, options, &statistics));
+  log.cell = cell;
+  log.error = GradientEstimate().largest_distance(*part.surface, mesh);
+  log.values = statistics.value_evaluations;
+  log.gradients = statistics.gradient_evaluations;
+  return mesh;
+}
+
+TriangleMesh mesh_within_tolerance(const Part& part, double tolerance, PartLog& log,
+                                   Console& console) {
+  ToleranceOptions options;
+  options.progress = &console.progress();
+  ToleranceMesh result = console.take(
+      mesh_to_tolerance(*part.surface, length_scale(part), part.creased, tolerance, options));
+  if (!result.reached) {
+    console.fail(Failure::tolerance,
+                 "part '" + part.name + "' is off by " + std::to_string(result.error) +
+                     ", more than the tolerance of " + std::to_string(tolerance) +
+                     "; nothing was written (--cell meshes without that promise)",
+                 part.where);
+  }
+  log.cell = result.cell;
+  log.error = result.error;
+  log.values = result.statistics.value_evaluations;
+  log.gradients = result.statistics.gradient_evaluations;
+  return std::move(result.mesh);
+}
+
+}  // namespace
+
+Fineness fineness_of(const MeshRequest& request, const Scene& scene,
+                     const CompiledScene& compiled) {
+  const double diagonal = compiled.extent.diagonal();
+  Fineness fineness;
+  fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
+                       : scene.mesh.tolerance ? *scene.mesh.tolerance
+                                              : kDefaultTolerance * diagonal;
+  // A tolerance on the command line wins over the scene's cell.
+  if (request.cell) {
+    fineness.cell = request.cell->absolute(diagonal);
+  } else if (scene.mesh.cell && !request.tolerance) {
+    fineness.cell = *scene.mesh.cell;
+  }
+  return fineness;
+}
+
+MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const Fineness& fineness,
+                       Console& console) {
+  MeshedScene meshed;
+  for (std::size_t i = 0; i < compiled.parts.size(); ++i) {
+    const Part& part = compiled.parts[i];
+    PartLog log;
+    log.name = part.name;
+    TriangleMesh mesh = fineness.cell > 0
+                            ? mesh_with_cell(part, fineness.cell, log, console)
+                            : mesh_within_tolerance(part, fineness.tolerance, log, console);
+    console.stop_if_interrupted();
+    if (mesh.empty()) {
+      console.show({{Severity::warning, Failure::none, part.where,
+                     "part '" + part.name + "' has no surface that the grid can see"}});
+      continue;
+    }
+    meshed.model.parts.push_back({part.name, std::move(mesh)});
+    meshed.log.push_back(std::move(log));
+    meshed.part_of.push_back(i);
+  }
+  if (meshed.model.parts.empty()) {
+    console.fail(Failure::bad_input, "the scene has no surface, expected a field that reaches 1",
+                 {scene.file, 0, 0});
+  }
+  return meshed;
+}
+
+void add_attributes(MeshedScene& meshed, const CompiledScene& compiled, const Scene& scene,
+                    const MeshRequest& request) {
+  for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
+    const Part& part = compiled.parts[meshed.part_of[i]];
+    TriangleMesh& mesh = meshed.model.parts[i].mesh;
+    if (request.wants("normal")) add_normals(mesh, *part.surface);
+    if (request.wants("color")) add_colors(mesh, *part.materials, scene.materials);
+  }
+}
+
+std::vector<PartLog> plan_parts(const CompiledScene& compiled, const Fineness& fineness) {
+  std::vector<PartLog> plan;
+  for (const Part& part : compiled.parts) {
+    PartLog log;
+    log.name = part.name;
+    log.cell = fineness.cell > 0
+                   ? fineness.cell
+                   : expected_cell(length_scale(part), part.creased, fineness.tolerance);
+    plan.push_back(std::move(log));
+  }
+  return plan;
+}
+
+Json to_json(const MeasuredError& error) {
+  return {{"mesh_to_surface_max", error.mesh_to_surface_max},
+          {"surface_to_mesh_max", error.surface_to_mesh_max},
+          {"mesh_to_surface_at", to_json(error.mesh_to_surface_at)},
+          {"surface_to_mesh_at", to_json(error.surface_to_mesh_at)},
+          {"rms", error.rms},
+          {"p999", error.p999},
+          {"normal_deg_max", error.normal_deg_max},
+          {"samples", error.mesh_samples + error.surface_samples}};
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,50 @@
+// Compiled scene -> meshes, as the command line asks for.
+#pragma once
+
+#include <vector>
+
+#include "cli/mesh_report.h"
+#include "cli/mesh_request.h"
+#include "libfield/field/compile.h"
+#include "polygonize/metrology.h"
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+/// How finely a scene is to be meshed, in scene units.
+struct Fineness {
+  double tolerance = 0.0;
+  double cell = 0.0;  ///< 0: what the tolerance needs
+};
+Fineness fineness_of(const MeshRequest& request, const Scene& scene, const CompiledScene& compiled);
+
+/// What is to be said of a part's meshing.
+struct PartLog {
+  std::string name;
+  double cell = 0.0;
+  double error = 0.0;  ///< estimated on the mesh
+  std::size_t values = 0, gradients = 0;
+};
+
+struct MeshedScene {
+  Model model;  ///< parts that are not empty
+  std::vector<PartLog> log;
+  std::vector<std::size_t> part_of;  ///< index into CompiledScene::parts for each of the model
+};
+
+/// Meshes every part. Throws Exit, everything having been said, where a tolerance is missed or
+/// nothing is there to mesh.
+MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const Fineness& fineness,
+                       Console& console);
+
+/// Adds the attributes that the request wants.
+void add_attributes(MeshedScene& meshed, const CompiledScene& compiled, const Scene& scene,
+                    const MeshRequest& request);
+
+/// The cell that each part would be meshed with first; nothing is meshed.
+std::vector<PartLog> plan_parts(const CompiledScene& compiled, const Fineness& fineness);
+
+/// {"mesh_to_surface_max": ..., ...}
+Json to_json(const MeasuredError& error);
+
+}  // namespace cs2mesh

@@ -1,0 +1,36 @@
+// The command line of meshing.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "cli/console.h"
+#include "cli/options.h"
+#include "polygonize/mesh_file.h"
+
+namespace cs2mesh {
+
+struct MeshRequest {
+  SceneOptions input;
+  CommonOptions common;
+  std::vector<std::string> outputs;
+  std::optional<Length> tolerance;  ///< not set: the scene's, or 0.1 % of its diagonal
+  std::optional<Length> cell;       ///< not set: the scene's, or what the tolerance needs
+  std::vector<std::string> attributes;
+  bool all_attributes = true;  ///< what format and scene have
+  std::string up;              ///< "y", "z" or "": the scene's
+  bool dry_run = false;
+  bool verify = false;
+  bool self_intersections = true;
+  std::string report;
+
+  bool wants(const std::string& attribute) const;
+  MeshFileOptions file_options(const Scene& scene) const;
+};
+
+/// Throws Exit where the usage is wrong or an output could not be written.
+MeshRequest parse_mesh_request(const Words& arguments);
+void require_writable(const MeshRequest& request, Console& console);
+
+}  // namespace cs2mesh

@@ -1,0 +1,177 @@
+// cs2mesh SCENE OUT...: the whole way from a scene to checked mesh files.
+#include <algorithm>
+#include <cstdio>
+#include <optional>
+
+#include "cli/interrupt.h"
+#include "cli/load_scene.h"
+#include "cli/mesh_parts.h"
+#include "cli/mesh_report.h"
+#include "cli/mesh_request.h"
+#include "cli/output_files.h"
+#include "cli/verbs.h"
+
+namespace cs2mesh {
+namespace {
+
+/// Samples of --verify, each way and part.
+constexpr std::size_t kVerifySamples = 100000;
+constexpr std::size_t kVerifyRays = 2000;
+
+/// Formats that store the same coordinates are checked once.
+enum class Rounding { none, stl, glb };
+
+Rounding rounding_of(MeshFormat format) {
+  if (format == MeshFormat::stl) return Rounding::stl;
+  return format == MeshFormat::glb ? Rounding::glb : Rounding::none;
+}
+
+/// Checks the meshes as each of the outputs will hold them; the report is of the first output.
+/// Throws Exit{kCheckFailed} if a promise is broken.
+std::vector<PartReport> check_outputs(const Model& model, const Scene& scene,
+                                      const MeshRequest& request, Console& console) {
+  CheckOptions options;
+  options.self_intersections = request.self_intersections;
+  options.progress = &console.progress();
+  std::vector<Rounding> checked;
+  std::vector<PartReport> first;
+  for (const std::string& path : request.outputs) {
+    const MeshFormat format = *mesh_format_of(path);
+    if (std::find(checked.begin(), checked.end(), rounding_of(format)) != checked.end()) continue;
+    checked.push_back(rounding_of(format));
+    Model rounded = model;
+    round_to_format(rounded, format, request.file_options(scene));
+    std::vector<PartReport> parts = check(rounded, options);
+    console.stop_if_interrupted();
+    const std::vector<Diagnostic> defects = defect_messages(parts, path);
+    if (!defects.empty()) {
+      console.show(defects);
+      console.fail(Failure::check_failed, "the mesh failed its check; nothing was written",
+                   {path, 0, 0});
+    }
+    if (first.empty()) first = std::move(parts);
+  }
+  return first;
+}
+
+/// Measures every part with rays; throws Exit{kToleranceMissed} if one is off.
+Json verify(const MeshedScene& meshed, const CompiledScene& compiled, double tolerance,
+            Console& console) {
+  Json worst;
+  double largest = -1;
+  for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
+    const Part& part = compiled.parts[meshed.part_of[i]];
+    MeasureOptions options;
+    options.samples = kVerifySamples;
+    options.certified_rays = kVerifyRays;
+    options.progress = &console.progress();
+    const MeasuredError error = measure(*part.surface, meshed.model.parts[i].mesh, options);
+    console.stop_if_interrupted();
+    if (error.max() > tolerance) {
+      console.fail(Failure::tolerance,
+                   "part '" + part.name + "' is off by " + std::to_string(error.max()) +
+                       ", more than the tolerance of " + std::to_string(tolerance) +
+                       "; nothing was written",
+                   part.where);
+    }
+    if (error.max() > largest) {
+      largest = error.max();
+      worst = to_json(error);
+    }
+  }
+  return worst;
+}
+
+void write_outputs(const Model& model, const Scene& scene, const MeshRequest& request,
+                   Console& console) {
+  const WhileWriting guard;
+  OutputFiles files;
+  for (const std::string& path : request.outputs) {
+    console.take(files.write(path, [&](const std::string& at) {
+      return write_mesh(model, at, request.file_options(scene));
+    }));
+  }
+  console.take(files.commit());
+}
+
+void add_parts(Json& report, const std::vector<PartLog>& log,
+               const std::vector<PartReport>& checked) {
+  std::size_t values = 0, gradients = 0;
+  Json parts = Json::array();
+  for (std::size_t i = 0; i < log.size(); ++i) {
+    Json part = i < checked.size() ? to_json(checked[i]) : Json{{"name", log[i].name}};
+    part["cell"] = log[i].cell;
+    if (i < checked.size()) part["error"] = {{"mesh_to_surface_max", log[i].error}};
+    parts.push_back(std::move(part));
+    values += log[i].values;
+    gradients += log[i].gradients;
+  }
+  report["parts"] = std::move(parts);
+  if (!checked.empty()) report["evaluations"] = {{"value", values}, {"gradient", gradients}};
+}
+
+Json estimated_error(const std::vector<PartLog>& log) {
+  double largest = 0;
+  for (const PartLog& part : log) largest = std::max(largest, part.error);
+  return {{"mesh_to_surface_max", largest}};
+}
+
+std::string seconds_text(const Stopwatch& watch) {
+  char text[64];
+  std::snprintf(text, sizeof text, "%.2f s", watch.seconds()["total"].get<double>());
+  return text;
+}
+
+int report_plan(Json report, const CompiledScene& compiled, const Fineness& fineness,
+                const MeshRequest& request, const Stopwatch& watch, Console& console) {
+  const std::vector<PartLog> plan = plan_parts(compiled, fineness);
+  for (const PartLog& part : plan) {
+    console.say("would mesh part '" + part.name + "' with cells of about " +
+                std::to_string(part.cell));
+  }
+  add_parts(report, plan, {});
+  add_run(report, watch, console);
+  deliver(report, request.report, console);
+  return kDone;
+}
+
+}  // namespace
+
+int run_mesh(const Words& arguments) {
+  const MeshRequest request = parse_mesh_request(arguments);
+  Console console(request.common);
+  require_writable(request, console);
+  Stopwatch watch;
+  const Scene scene = read_scene(request.input, console, watch);
+  const CompiledScene compiled = bounded_parts(scene, console, watch);
+  const Fineness fineness = fineness_of(request, scene, compiled);
+  Json report = {{"input", request.input.path},
+                 {"outputs", request.outputs},
+                 {"primitives", scene.elements.size()},
+                 {"tolerance", fineness.cell > 0 ? Json(nullptr) : Json(fineness.tolerance)}};
+  if (request.dry_run) return report_plan(report, compiled, fineness, request, watch, console);
+
+  watch.start("extract");
+  MeshedScene meshed = mesh_parts(compiled, scene, fineness, console);
+  watch.start("clean");
+  const std::vector<PartReport> checked = check_outputs(meshed.model, scene, request, console);
+  report["error"] = estimated_error(meshed.log);
+  if (request.verify) {
+    watch.start("verify");
+    report["error"] = verify(meshed, compiled, fineness.tolerance, console);
+  }
+  watch.start("attributes");
+  add_attributes(meshed, compiled, scene, request);
+  watch.start("export");
+  write_outputs(meshed.model, scene, request, console);
+  watch.stop();
+
+  add_check(report, checked);
+  add_parts(report, meshed.log, checked);
+  add_run(report, watch, console);
+  console.say(summary(checked) + ", " + seconds_text(watch));
+  deliver(report, request.report, console);
+  return kDone;
+}
+
+}  // namespace cs2mesh
