@@ -4,8 +4,8 @@
 namespace cs2mesh::commands {
 namespace {
 
-constexpr int kMaxPixels = 32768;  // a side of the picture
-constexpr int kMaxSamples = 64;    // a side of the grid of rays in a pixel
+constexpr int kMaxPixels = 65536;  // a side of the picture
+constexpr int kMaxSamples = 16;    // a side of the grid of rays in a pixel
 
 double angle(Arguments& args, std::string_view what) {
   const SourceLocation where = args.here();
