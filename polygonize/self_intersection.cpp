@@ -1,12 +1,14 @@
-// Box tests by CGAL's streamed segment trees (Zomorodian and Edelsbrunner 2002), triangle tests by
-// its exact predicates.
+// Candidates by overlapping boxes, then triangle tests by CGAL's exact predicates.
 #include "polygonize/self_intersection.h"
 
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/box_intersection_d.h>
 #include <CGAL/intersections.h>
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+
+#include "polygonize/box_pairs.h"
 
 namespace cs2mesh {
 namespace {
@@ -14,25 +16,6 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Triangle = std::array<TriangleMesh::Index, 3>;
-
-/// The box of one triangle, as box_self_intersection_d wants it.
-class TriangleBox {
- public:
-  using NT = double;
-  using ID = std::size_t;
-  TriangleBox() = default;
-  TriangleBox(const TriangleMesh& mesh, std::size_t triangle) : triangle_(triangle) {
-    for (const TriangleMesh::Index v : mesh.triangles[triangle]) box_.include(mesh.positions[v]);
-  }
-  static int dimension() { return 3; }
-  ID id() const { return triangle_; }
-  NT min_coord(int d) const { return box_.min[static_cast<std::size_t>(d)]; }
-  NT max_coord(int d) const { return box_.max[static_cast<std::size_t>(d)]; }
-
- private:
-  Aabb box_;
-  std::size_t triangle_ = 0;
-};
 
 Point point(const TriangleMesh& mesh, TriangleMesh::Index vertex) {
   const Vec3d& p = mesh.positions[vertex];
@@ -94,25 +77,33 @@ bool intersect(const TriangleMesh& mesh, Triangle a, Triangle b) {
 
 std::optional<SelfIntersections> find_self_intersections(const TriangleMesh& mesh,
                                                          std::size_t most_pairs) {
-  std::vector<TriangleBox> boxes;
-  boxes.reserve(mesh.triangles.size());
+  std::vector<TriangleMesh::Index> proper;
+  std::vector<Aabb> boxes;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (!degenerate(mesh, mesh.triangles[t])) boxes.emplace_back(mesh, t);
+    const Triangle& triangle = mesh.triangles[t];
+    if (degenerate(mesh, triangle)) continue;
+    proper.push_back(static_cast<TriangleMesh::Index>(t));
+    Aabb& box = boxes.emplace_back();
+    for (const TriangleMesh::Index v : triangle) box.include(mesh.positions[v]);
   }
-  std::vector<const TriangleBox*> pointers;
-  pointers.reserve(boxes.size());
-  for (const TriangleBox& box : boxes) pointers.push_back(&box);
+
+  const BoxPairs candidates(boxes);
+  std::vector<SelfIntersections> found_by_group(candidates.group_count());
+  tbb::parallel_for(std::size_t{0}, candidates.group_count(), [&](std::size_t group) {
+    candidates.for_each_pair(group, [&](std::uint32_t i, std::uint32_t j) {
+      const TriangleMesh::Index low = proper[std::min(i, j)];
+      const TriangleMesh::Index high = proper[std::max(i, j)];
+      if (!intersect(mesh, mesh.triangles[low], mesh.triangles[high])) return;
+      SelfIntersections& found = found_by_group[group];
+      if (found.count++ < most_pairs) found.pairs.push_back({low, high});
+    });
+  });
 
   SelfIntersections found;
-  const auto test = [&](const TriangleBox* a, const TriangleBox* b) {
-    if (!intersect(mesh, mesh.triangles[a->id()], mesh.triangles[b->id()])) return;
-    const auto low = std::min(a->id(), b->id());
-    const auto high = std::max(a->id(), b->id());
-    found.pairs.push_back(
-        {static_cast<TriangleMesh::Index>(low), static_cast<TriangleMesh::Index>(high)});
-  };
-  CGAL::box_self_intersection_d(pointers.begin(), pointers.end(), test);
-  found.count = found.pairs.size();
+  for (const SelfIntersections& part : found_by_group) {
+    found.count += part.count;
+    found.pairs.insert(found.pairs.end(), part.pairs.begin(), part.pairs.end());
+  }
   std::sort(found.pairs.begin(), found.pairs.end());
   if (found.pairs.size() > most_pairs) found.pairs.resize(most_pairs);
   return found;
