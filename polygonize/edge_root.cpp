@@ -54,14 +54,22 @@ bool advance(Search& s, const Jet& jet, const Vec3d& direction) {
   if (f == 0 || s.hi - s.lo <= kBracketResolution * s.scale) return true;
   if (std::abs(step) <= kStepResolution * s.scale) return true;
   if (std::abs(step) <= kNoise * s.scale && std::abs(step) >= 0.5 * s.last_step) return true;
+  // One more step of a method that converges quadratically: its error is below the resolution, and
+  // even a crease within the step would leave it at 1e-9 of an edge.
+  constexpr double kLastStep = 1e-9;
+  constexpr double kQuadratic = 1e-3;
+  const double newton = s.t + step;
+  const bool usable = newton > s.lo && newton < s.hi;
+  if (usable && std::abs(step) <= kLastStep && std::abs(step) <= kQuadratic * s.last_step) {
+    s.t = newton;
+    return true;
+  }
   s.last_step = std::abs(step);
 
   // Newton's method may approach from one side only, so a bracket that hardly shrinks does not tell
   // that it fails; but after a few rounds bisection takes every other one.
   constexpr int kPatience = 4;
   ++s.round;
-  const double newton = s.t + step;
-  const bool usable = newton > s.lo && newton < s.hi;
   const bool bisect = s.round >= kPatience && s.round % 2 == 0;
   s.t = usable && !bisect ? newton : 0.5 * (s.lo + s.hi);
   return false;

@@ -26,7 +26,7 @@ double hermite_root(double f0, double d0, double f1, double d1);
 /// For each edge a point a + t (b - a), with F = 0 there up to the rounding of F, or with the sign
 /// change enclosed to 1e-15 of the coordinates (a jump, or a gradient of 0). All edges iterate
 /// together: guess by the Hermite cubic, then Newton's method on the jets, kept inside the bracket;
-/// where Newton's method stalls, bisection. Smooth F takes two or three rounds.
+/// where Newton's method stalls, bisection. Smooth F takes one or two rounds.
 ///
 /// t is kept at least kEndClearance away from both ends, so that crossings of different edges never
 /// coincide. That moves a root only where F vanishes at an end itself.

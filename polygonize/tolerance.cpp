@@ -14,27 +14,27 @@ namespace {
 
 /// Triangles measured together through one restriction of F: neighbours in the mesh's order.
 constexpr std::size_t kChunk = 128;
-constexpr std::size_t kSamplesPerTriangle = 2;
-
 struct Sample {
   double distance = 0.0;
-  std::size_t number = 0;  ///< 2 t: centroid of triangle t; 2 t + 1: middle of its longest edge
+  std::size_t triangle = 0;
 };
 
-Vec3d sample_point(const TriangleMesh& mesh, std::size_t number) {
-  const auto& t = mesh.triangles[number / kSamplesPerTriangle];
+/// The point of a triangle that is farthest from a sphere through its corners: the circumcentre if
+/// the triangle is acute, else the middle of its longest side.
+Vec3d sample_point(const TriangleMesh& mesh, std::size_t triangle) {
+  const auto& t = mesh.triangles[triangle];
   const Vec3d p[3] = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
-  if (number % kSamplesPerTriangle == 0) return (p[0] + p[1] + p[2]) / 3.0;
-  std::size_t longest = 0;
-  double length = -1;
+  double side[3];  // squared length, opposite to the corner
+  for (std::size_t i = 0; i < 3; ++i) side[i] = squared_norm(p[(i + 2) % 3] - p[(i + 1) % 3]);
+  const double all = side[0] + side[1] + side[2];
+  // Barycentric weights a^2 (b^2 + c^2 - a^2) of the circumcentre.
+  double weight[3];
   for (std::size_t i = 0; i < 3; ++i) {
-    const double candidate = squared_norm(p[(i + 1) % 3] - p[i]);
-    if (candidate > length) {
-      length = candidate;
-      longest = i;
-    }
+    if (!(2 * side[i] < all)) return 0.5 * (p[(i + 1) % 3] + p[(i + 2) % 3]);
+    weight[i] = side[i] * (all - 2 * side[i]);
   }
-  return 0.5 * (p[longest] + p[(longest + 1) % 3]);
+  const double sum = weight[0] + weight[1] + weight[2];
+  return (weight[0] / sum) * p[0] + (weight[1] / sum) * p[1] + (weight[2] / sum) * p[2];
 }
 
 /// |F| / |grad F|, or `otherwise` where the gradient does not tell.
@@ -47,11 +47,11 @@ double first_order_distance(const Jet& jet, double otherwise) {
 /// First-order distances of all samples; none is larger than the chunk it is in.
 std::vector<Sample> first_order_distances(const ImplicitSurface& surface,
                                           const TriangleMesh& mesh) {
-  std::vector<Sample> samples(kSamplesPerTriangle * mesh.triangles.size());
+  std::vector<Sample> samples(mesh.triangles.size());
   const std::size_t chunks = (mesh.triangles.size() + kChunk - 1) / kChunk;
   tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-    const std::size_t first = kSamplesPerTriangle * kChunk * chunk;
-    const std::size_t last = std::min(first + kSamplesPerTriangle * kChunk, samples.size());
+    const std::size_t first = kChunk * chunk;
+    const std::size_t last = std::min(first + kChunk, samples.size());
     std::vector<Vec3d> points;
     Aabb box;
     for (std::size_t i = first; i < last; ++i) {
@@ -111,14 +111,14 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
   constexpr std::size_t kLookedAt = 256;
   const std::size_t looked_at = std::min(kLookedAt, samples.size());
   const auto farther = [](const Sample& a, const Sample& b) {
-    return a.distance != b.distance ? a.distance > b.distance : a.number < b.number;
+    return a.distance != b.distance ? a.distance > b.distance : a.triangle < b.triangle;
   };
   const auto end = samples.begin() + static_cast<std::ptrdiff_t>(looked_at);
   std::nth_element(samples.begin(), end - 1, samples.end(), farther);
   std::vector<double> distances(looked_at);
   tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t i) {
     distances[i] =
-        projected_distance(surface, sample_point(mesh, samples[i].number), samples[i].distance);
+        projected_distance(surface, sample_point(mesh, samples[i].triangle), samples[i].distance);
   });
   double largest = *std::max_element(distances.begin(), distances.end());
   for (auto sample = end; sample != samples.end(); ++sample) {

@@ -20,10 +20,10 @@ class DistanceEstimate {
                                   const TriangleMesh& mesh) const = 0;
 };
 
-/// Looks from the mesh at the surface: |F| / |grad F| at the centroid and at the middle of the
-/// longest edge of every triangle (where a triangle with its corners on a smooth surface is
-/// farthest from it); at the farthest of them Newton's method along the gradient, for the distance
-/// proper. Two gradients a triangle. Blind to pieces of surface that the mesh misses.
+/// Looks from the mesh at the surface: |F| / |grad F| at one point of every triangle, where a
+/// triangle with its corners on a sphere is farthest from it; at the farthest of them Newton's
+/// method along the gradient, for the distance proper. One gradient a triangle. Blind to pieces of
+/// surface that the mesh misses.
 class GradientEstimate final : public DistanceEstimate {
  public:
   double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
