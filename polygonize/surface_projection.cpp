@@ -44,6 +44,13 @@ class Projector {
  private:
   Vec3d at(const Way& way, double t) const { return points_[way.point] + t * way.direction; }
 
+  /// The least step that gets past the surface for certain where a point is on it but for the
+  /// rounding of its coordinates and of F.
+  double grain(std::size_t i) const {
+    const Vec3d& p = points_[i];
+    return 1e-14 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
+  }
+
   // ---- One Newton step for all points together ----
 
   void step() {
@@ -61,10 +68,7 @@ class Projector {
         lost_.push_back(i);
       } else {
         const Vec3d direction = jet.gradient * ((inside(jet.value) ? -1 : 1) / slope);
-        // At least some units of rounding of the coordinates, to get past the surface at all.
-        const Vec3d& p = points_[i];
-        const double grain = 1e-15 * (std::abs(p.x) + std::abs(p.y) + std::abs(p.z));
-        ways.push_back({i, direction, 0, kOvershoot * length + grain, jet, {}});
+        ways.push_back({i, direction, 0, kOvershoot * length + grain(i), jet, {}});
         ends.push_back(at(ways.back(), ways.back().t1));
       }
     }
@@ -129,7 +133,7 @@ class Projector {
     const Vec3d direction = jet.gradient * ((inside(jet.value) ? -1 : 1) / slope);
     // Fractions of the step, for where it went beyond a thin place, then multiples.
     constexpr int kSmaller = 12, kLarger = 6;
-    const double step = std::min(kOvershoot * std::abs(jet.value) / slope, limit_);
+    const double step = std::min(kOvershoot * std::abs(jet.value) / slope + grain(i), limit_);
     std::array<Vec3d, kSmaller + kLarger + 1> places;
     std::array<double, kSmaller + kLarger + 1> lengths, values;
     for (int k = 0; k <= kSmaller + kLarger; ++k) {
@@ -156,7 +160,7 @@ class Projector {
     for (int step = 0; step < kSteps; ++step) {
       const double slope = norm(jet.gradient);
       if (!(slope > 0 && slope < kInfinity)) return false;
-      const double length = std::min(kOvershoot * std::abs(jet.value) / slope, longest);
+      const double length = std::min(kOvershoot * std::abs(jet.value) / slope + grain(i), longest);
       const Vec3d next = p + ((side ? -1 : 1) * length / slope) * jet.gradient;
       const Jet there = surface_.jet(next);
       if (inside(there.value) != side) {
@@ -182,17 +186,21 @@ class Projector {
     std::array<Vec3d, kDirections> places;
     std::array<double, kDirections> values;
     const bool side = inside(jets_[i].value);
-    for (double radius = limit_ * 0x1p-20; radius <= limit_; radius *= 2) {
+    constexpr double kSmallest = 0x1p-30;
+    bool first = true;
+    for (double radius = limit_ * kSmallest; radius <= limit_; radius *= 2) {
       for (std::size_t k = 0; k < kDirections; ++k) {
         places[k] = points_[i] + radius * spiral_direction(k, kDirections);
       }
       surface_.values(places, values);
       for (std::size_t k = 0; k < kDirections; ++k) {
         if (inside(values[k]) != side) {
-          add_bracket(i, spiral_direction(k, kDirections), radius / 2, radius);
+          // Half as far out there was no change in any direction, except for the first sphere.
+          add_bracket(i, spiral_direction(k, kDirections), first ? 0 : radius / 2, radius);
           return;
         }
       }
+      first = false;
     }
   }
 

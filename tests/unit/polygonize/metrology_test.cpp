@@ -68,6 +68,28 @@ struct Nothing {
   Aabb bounds() const { return {}; }
 };
 
+/// A plane whose F is rounded so coarsely that it has a flat step at 0.
+struct Stepped {
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    return (T(1.0) - p.x * T(0.3) - p.y * T(0.7) + T(64.0)) - T(64.0);
+  }
+  Aabb bounds() const { return cube(3); }
+};
+
+TEST(Projection, PointsOnTheSurfaceButForRounding) {
+  const Surface<Stepped> surface;
+  Random random(2);
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 2000; ++i) {
+    const double x = random.uniform(-1, 1);
+    points.push_back({x, (1 - 0.3 * x) / 0.7 + random.uniform(-3e-14, 3e-14), 0.2});
+  }
+  for (const Projection& found : projections(surface, points)) {
+    EXPECT_LT(found.distance, 1e-12);
+  }
+}
+
 TEST(Projection, InfiniteWithoutSurface) {
   const std::vector<Projection> found = projections(Surface<Nothing>(), {{1, 2, 3}, {0, 0, 0}});
   EXPECT_EQ(found[0].distance, kInfinity);
