@@ -8,6 +8,8 @@
 #include "libfield/ray/pfm.h"
 #include "libfield/ray/png.h"
 #include "libfield/ray/render.h"
+#include "polygonize/mesh_file.h"
+#include "polygonize/render_mesh.h"
 
 namespace cs2mesh {
 namespace {
@@ -15,7 +17,7 @@ namespace {
 struct Request {
   SceneOptions input;
   CommonOptions common;
-  std::string picture, depth, normal, cost;
+  std::string picture, depth, normal, cost, mesh;
   std::vector<int> size;
   int samples = 0;  ///< 0: the scene's
 };
@@ -34,11 +36,15 @@ Request parse_request(const Words& arguments) {
       ->type_name("FILE");
   app.add_option("--size", request.size, "pixels (default: the scene's framesize, or 128 128)")
       ->type_name("WIDTH HEIGHT")
+      ->check(CLI::Range(1, 8192))
       ->expected(2);
   app.add_option("--samples", request.samples,
                  "up to N x N rays a pixel where it needs them (default: the scene's, or 1)")
       ->type_name("N")
       ->check(CLI::Range(1, 16));
+  app.add_option("--mesh", request.mesh,
+                 "draw this mesh, with flat triangles, in place of the surface")
+      ->type_name("MESH");
   add_json_option(app, request.common);
   add_common_options(app, request.common);
   parse(app, arguments);
@@ -74,6 +80,29 @@ RenderOptions render_options(const Request& request, Console& console) {
   options.cost = !request.cost.empty();
   options.progress = &console.progress();
   return options;
+}
+
+/// The picture of a mesh in the camera that the surface would be seen with.
+RenderedImage draw_mesh(const Request& request, const CompiledScene& compiled, const Scene& scene,
+                        Console& console) {
+  for (const std::string& path : {request.depth, request.normal, request.cost}) {
+    if (!path.empty()) console.fail(Failure::bad_input, "not available with --mesh", {path, 0, 0});
+  }
+  RenderMeshOptions options;
+  options.width = request.size.empty() ? scene.camera.width : request.size[0];
+  options.height = request.size.empty() ? scene.camera.height : request.size[1];
+  if (static_cast<long long>(options.width) * options.height > kMostPixels) {
+    console.fail(Failure::limit, "too many pixels in the picture", {request.picture, 0, 0});
+  }
+  options.samples = std::clamp(request.samples > 0 ? request.samples : scene.camera.samples, 1, 16);
+  options.progress = &console.progress();
+  const Model model = console.take(read_mesh(request.mesh));
+  RenderedImage image;
+  image.color =
+      render_mesh(model, scene,
+                  make_view(scene.camera, compiled.extent, options.width, options.height), options);
+  console.stop_if_interrupted();
+  return image;
 }
 
 void write_images(const Request& request, const RenderedImage& image, Console& console) {
@@ -112,7 +141,8 @@ int run_render(const Words& arguments) {
   if (scene.mesh.bounds) compiled = console.take(clip_to_bounds(std::move(compiled), scene));
   watch.start("render");
   const RenderedImage image =
-      console.take(render(compiled, scene, render_options(request, console)));
+      request.mesh.empty() ? console.take(render(compiled, scene, render_options(request, console)))
+                           : draw_mesh(request, compiled, scene, console);
   watch.start("export");
   write_images(request, image, console);
   watch.stop();
