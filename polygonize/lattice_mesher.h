@@ -18,9 +18,9 @@
 namespace cs2mesh {
 
 struct LatticeOptions {
-  double cell = 0.0;                        ///< side of a cell, > 0
-  Vec3d origin{};                           ///< a node of the lattice
-  std::size_t max_nodes = 400'000'000;      ///< memory: 8 bytes each, and as much again
+  double cell = 0.0;                       ///< side of a cell, > 0
+  Vec3d origin{};                          ///< a node of the lattice
+  std::size_t max_nodes = 400'000'000;     ///< memory: 8 bytes each, and as much again
   std::size_t max_triangles = 50'000'000;  ///< beyond either, Failure::limit
   Progress* progress = nullptr;
 };
