@@ -16,6 +16,8 @@ namespace {
 /// plane that cuts it, times the share of blocks that truly hold surface.
 constexpr double kCrossingsPerSquare = 0.9;
 constexpr int kMostHalvings = 20;
+/// The longest last Newton step, in edges, after which a root is trusted; its error is the square.
+constexpr double kLastStep = 1e-3;
 /// Blocks that have a restriction of their own; smaller ones share that of the block they came
 /// from, so that memory stays small.
 constexpr std::size_t kMostRestrictions = 8000;
@@ -74,6 +76,35 @@ std::vector<SurfaceBlock> halved(const std::vector<SurfaceBlock>& blocks) {
     }
   }
   return out;
+}
+
+/// Replaces roots[e] for each e of `hard` by the root that bracketing finds on that edge.
+void replace_by_bracketing(const SurfaceBlock& block, const std::vector<Vec3d>& points,
+                           const std::vector<std::pair<std::size_t, std::size_t>>& crossed,
+                           const std::vector<std::size_t>& hard, std::vector<Vec3d>& roots) {
+  if (hard.empty()) return;
+  std::vector<Vec3d> ends;
+  for (const std::size_t e : hard) {
+    ends.insert(ends.end(), {points[crossed[e].first], points[crossed[e].second]});
+  }
+  std::vector<Jet> jets(ends.size());
+  block.surface->jets(ends, jets);
+  std::vector<CrossedEdge> edges;
+  std::vector<std::size_t> found;
+  for (std::size_t k = 0; k < hard.size(); ++k) {
+    const Jet &a = jets[2 * k], &b = jets[2 * k + 1];
+    if ((a.value >= 0) == (b.value >= 0)) {
+      // Values and jets round to different signs only where an end is on the surface.
+      roots[hard[k]] = std::abs(a.value) < std::abs(b.value) ? ends[2 * k] : ends[2 * k + 1];
+    } else {
+      edges.push_back({ends[2 * k], ends[2 * k + 1], a, b});
+      found.push_back(hard[k]);
+    }
+  }
+  std::vector<Vec3d> exact(edges.size());
+  EdgeRootCounts counts;
+  find_roots(*block.surface, edges, exact, counts);
+  for (std::size_t k = 0; k < found.size(); ++k) roots[found[k]] = exact[k];
 }
 
 }  // namespace
@@ -135,20 +166,32 @@ void append_crossings(const SurfaceBlock& block, int cells, std::vector<Vec3d>& 
   }
   if (crossed.empty()) return;
 
-  // Find the roots on them.
-  std::vector<Vec3d> ends;
-  for (const auto& [a, b] : crossed) ends.insert(ends.end(), {points[a], points[b]});
-  std::vector<Jet> jets(ends.size());
-  block.surface->jets(ends, jets);
-  std::vector<CrossedEdge> edges;
-  for (std::size_t e = 0; e < ends.size(); e += 2) {
-    // Values and jets may round to different signs next to a root.
-    if ((jets[e].value >= 0) == (jets[e + 1].value >= 0)) continue;
-    edges.push_back({ends[e], ends[e + 1], jets[e], jets[e + 1]});
+  // Newton's method along the edges, from where the values' chord crosses 0.
+  std::vector<Vec3d> roots;
+  std::vector<Vec3d> ways;
+  for (const auto& [a, b] : crossed) {
+    ways.push_back(points[b] - points[a]);
+    roots.push_back(points[a] + (values[a] / (values[a] - values[b])) * ways.back());
   }
-  std::vector<Vec3d> roots(edges.size());
-  EdgeRootCounts counts;
-  find_roots(*block.surface, edges, roots, counts);
+  std::vector<Jet> jets(roots.size());
+  std::vector<std::size_t> hard;
+  constexpr int kSteps = 2;
+  for (int step = 0; step < kSteps; ++step) {
+    block.surface->jets(roots, jets);
+    for (std::size_t e = 0; e < roots.size(); ++e) {
+      const double slope = dot(jets[e].gradient, ways[e]);
+      const double change = -jets[e].value / slope;
+      const Vec3d next = roots[e] + change * ways[e];
+      const bool last = step + 1 == kSteps;
+      // The error after a step is about its square.
+      const bool good = std::abs(change) < (last ? kLastStep : 0.5) && block.box.contains(next);
+      if (good) roots[e] = next;
+      if (!good && (hard.empty() || hard.back() != e)) hard.push_back(e);
+    }
+  }
+  std::sort(hard.begin(), hard.end());
+  hard.erase(std::unique(hard.begin(), hard.end()), hard.end());
+  replace_by_bracketing(block, points, crossed, hard, roots);
   out.insert(out.end(), roots.begin(), roots.end());
 }
 
