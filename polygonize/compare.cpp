@@ -4,8 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <deque>
 #include <set>
 
+#include "libfield/ray/bound_tree.h"
 #include "libfield/ray/camera.h"
 #include "libfield/ray/ray_solver.h"
 #include "polygonize/closest_point.h"
@@ -78,16 +80,16 @@ MeasuredError total_of(const std::vector<PartComparison>& parts) {
 /// One pixel: whether surface and mesh cover it.
 enum class Cover : char { neither, both, one, uncertain };
 
-Cover cover(const CompiledScene& compiled, const ClosestPoint& tree, const Ray& ray) {
+Cover cover(const std::deque<BoundTree>& parts, const ClosestPoint& mesh_tree, const Ray& ray) {
   bool surface = false, uncertain = false;
-  for (const Part& part : compiled.parts) {
-    const RayHit hit = first_hit(*part.surface, ray, 0, kInfinity);
+  for (const BoundTree& part : parts) {
+    const RayHit hit = first_hit(part, ray, 0, kInfinity);
     surface = surface || hit.status == RayStatus::hit;
     uncertain = uncertain || hit.status == RayStatus::uncertain;
     if (surface) break;
   }
   if (!surface && uncertain) return Cover::uncertain;
-  const bool mesh = tree.first_hit(ray.origin, ray.direction, 0, kInfinity) < kInfinity;
+  const bool mesh = mesh_tree.first_hit(ray.origin, ray.direction, 0, kInfinity) < kInfinity;
   return surface != mesh ? Cover::one : surface ? Cover::both : Cover::neither;
 }
 
@@ -101,13 +103,15 @@ void compare_silhouettes(const CompiledScene& compiled, const Scene& scene,
   const int height = std::max(1, static_cast<int>(std::lround(camera.height * scale)));
   const View view = make_view(camera, compiled.extent, width, height);
   const ClosestPoint tree(mesh);
+  std::deque<BoundTree> parts;
+  for (const Part& part : compiled.parts) parts.emplace_back(*part.surface);
   std::vector<Cover> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   tbb::parallel_for(0, height, [&](int j) {
     if (options.progress && options.progress->cancelled()) return;
     for (int i = 0; i < width; ++i) {
       const Ray ray = view.ray((i + 0.5) / width, (j + 0.5) / height);
       pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
-             static_cast<std::size_t>(i)] = cover(compiled, tree, ray);
+             static_cast<std::size_t>(i)] = cover(parts, tree, ray);
     }
   });
   const auto count = [&](Cover kind) {

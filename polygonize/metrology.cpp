@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libfield/base/random.h"
+#include "libfield/ray/bound_tree.h"
 #include "libfield/ray/ray_solver.h"
 #include "polygonize/closest_point.h"
 #include "polygonize/surface_projection.h"
@@ -308,6 +309,7 @@ class Measurement {
       const Aabb region = region_of(*surfaces_[s]);
       if (region.empty() || !region.finite()) continue;
       const double radius = 0.5 * region.diagonal();
+      const BoundTree tree(*surfaces_[s]);
       const std::size_t count = (each + kRaysPerBatch - 1) / kRaysPerBatch;
       total.merge(batches(count, "measure", [&](std::size_t batch, Tally& tally) {
         std::vector<Vec3d> points;
@@ -321,7 +323,7 @@ class Measurement {
           if (!(length > 0)) continue;
           const Vec3d offset = side * (radius * std::sqrt(random.uniform()) / length);
           const Ray ray{region.center() + offset - radius * direction, normalized(direction)};
-          all_hits(*surfaces_[s], ray, 0, 2 * radius, {}, hits);
+          all_hits(tree, ray, 0, 2 * radius, {}, hits);
           for (const RayHit& hit : hits) {
             if (hit.status == RayStatus::hit) points.push_back(ray.at(hit.t));
             if (hit.status == RayStatus::uncertain) ++tally.uncertain;
