@@ -59,7 +59,7 @@ std::string OutputFiles::staging_folder(const std::string& parent) {
   for (const Staging& staging : staging_) {
     if (staging.parent == parent) return staging.folder;
   }
-  const std::string folder = parent + "/.cs2mesh-" + std::to_string(::getpid()) + ".tmp";
+  std::string folder = parent + "/.cs2mesh-" + std::to_string(::getpid()) + ".tmp";
   std::error_code error;
   if (!fs::create_directory(folder, error)) return "";
   staging_.push_back({parent, folder});
