@@ -250,7 +250,15 @@ class Others(SceneTest):
         self.succeed("render", scene, "ball.png", "--size", 40, 30)
         data = (self.folder / "ball.png").read_bytes()
         self.assertEqual(data[:8], b"\x89PNG\r\n\x1a\n")
-        self.assertEqual((int.from_bytes(data[16:20], "big"), int.from_bytes(data[20:24], "big")), (40, 30))
+        size = [int.from_bytes(data[at : at + 4], "big") for at in (16, 20)]
+        self.assertEqual(size, [40, 30])
+
+    def test_render_a_mesh(self):
+        scene = self.file("ball.art", BALL)
+        self.succeed(scene, "ball.ply", "--tolerance", "1%")
+        self.succeed("render", scene, "mesh.png", "--mesh", "ball.ply", "--size", 40, 30)
+        self.assertGreater((self.folder / "mesh.png").stat().st_size, 500)
+        self.fails(2, "render", scene, "m.png", "--mesh", "ball.ply", "--depth", "d.pfm")
 
 
 if __name__ == "__main__":

@@ -15,6 +15,7 @@ class Readme(SceneTest):
         self.assertTrue(blocks)
         shutil.copytree(SOURCE / "data" / "scenes", self.folder / "data" / "scenes")
         path = os.path.dirname(PROGRAM) + os.pathsep + os.environ["PATH"]
+        # In order: later examples may use what earlier ones made.
         for block in blocks:
             done = subprocess.run(
                 ["bash", "-euo", "pipefail", "-c", block],
