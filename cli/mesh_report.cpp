@@ -48,6 +48,12 @@ void add_measures(Json& json, const MeshReport& report) {
   json["volume"] = report.volume;
 }
 
+Diagnostic warning_at(const std::string& file, const std::string& message) {
+  Diagnostic warning = error_at({file, 0, 0}, message, Failure::none);
+  warning.severity = Severity::warning;
+  return warning;
+}
+
 std::string text_of(const Vec3d& v) {
   char text[128];
   std::snprintf(text, sizeof text, "(%.9g, %.9g, %.9g)", v.x, v.y, v.z);
@@ -115,8 +121,11 @@ std::vector<Diagnostic> defect_messages(const std::vector<PartReport>& parts,
   return messages;
 }
 
-bool self_intersections_checked(const std::vector<PartReport>& parts) {
-  return combined(parts).self_intersections.has_value();
+void warn_if_unchecked(const std::vector<PartReport>& parts, const std::string& file,
+                       Console& console) {
+  if (combined(parts).self_intersections) return;
+  console.show(std::vector<Diagnostic>(
+      1, warning_at(file, "self-intersections could not be looked for (no CGAL in this build?)")));
 }
 
 }  // namespace cs2mesh

@@ -25,7 +25,8 @@ std::string summary(const std::vector<PartReport>& parts);
 std::vector<Diagnostic> defect_messages(const std::vector<PartReport>& parts,
                                         const std::string& file);
 
-/// Whether self-intersections of every part were looked for.
-bool self_intersections_checked(const std::vector<PartReport>& parts);
+/// A warning where self-intersections could not be looked for, as in a build without CGAL.
+void warn_if_unchecked(const std::vector<PartReport>& parts, const std::string& file,
+                       Console& console);
 
 }  // namespace cs2mesh

@@ -33,6 +33,7 @@ int run_check(const Words& arguments) {
   watch.stop();
   console.stop_if_interrupted();
 
+  if (options.self_intersections) warn_if_unchecked(parts, path, console);
   Json report = {{"input", path}};
   add_check(report, parts);
   report["parts"] = Json::array();

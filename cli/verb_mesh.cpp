@@ -155,6 +155,7 @@ int run_mesh(const Words& arguments) {
   MeshedScene meshed = mesh_parts(compiled, scene, fineness, console);
   watch.start("clean");
   const std::vector<PartReport> checked = check_outputs(meshed.model, scene, request, console);
+  if (request.self_intersections) warn_if_unchecked(checked, request.input.path, console);
   report["error"] = estimated_error(meshed.log);
   if (request.verify) {
     watch.start("verify");

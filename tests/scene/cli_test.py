@@ -198,7 +198,8 @@ class Probe(SceneTest):
         points = self.file("points.txt", "0 0 0\n0 0\n")
         self.assertIn("points.txt:2:", self.fails(2, "probe", scene, points).stderr)
         for text in ("1 2 nan\n", "1 2 3 4\n", "a b c\n", "1 2 1e999\n"):
-            self.assertIn("standard input:1:", self.fails(2, "probe", scene, "-", stdin=text).stderr)
+            done = self.fails(2, "probe", scene, "-", stdin=text)
+            self.assertIn("standard input:1:", done.stderr)
         self.fails(2, "probe", scene, "missing.txt")
 
     def test_groups(self):
@@ -207,8 +208,8 @@ class Probe(SceneTest):
             BALL + "object o\nblend left\nsphere s 1 5 0 0\nclose\n",
         )
         at = "5 0 1\n"
-        left = float(self.succeed("probe", scene, "-", "--group", "left", stdin=at).stdout.split()[0])
-        self.assertAlmostEqual(left, 1, delta=1e-12)
+        done = self.succeed("probe", scene, "-", "--group", "left", stdin=at)
+        self.assertAlmostEqual(float(done.stdout.split()[0]), 1, delta=1e-12)
         self.assertIn("left", self.fails(2, "probe", scene, "-", "--group", "right").stderr)
 
 
@@ -228,7 +229,8 @@ class Others(SceneTest):
         self.assertIs(self.report("info", scene)["parts"][0]["bounded"], False)
 
     def test_check_finds_a_hole(self):
-        mesh = self.file("open.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\n")
+        corners = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\n"
+        mesh = self.file("open.obj", corners + "f 1 3 2\nf 1 2 4\nf 1 4 3\n")
         done = self.run_program("check", mesh, "--json")
         self.assertEqual(done.returncode, 4, done.stderr)
         self.assertIs(json.loads(done.stdout)["closed"], False)
