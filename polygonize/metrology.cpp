@@ -203,6 +203,7 @@ class Measurement {
     } else {
       project_to_nearest(samples.points, nearest);
     }
+    confirm_farthest(samples.points, nearest);
     for (std::size_t i = 0; i < nearest.size(); ++i) {
       tally.add(nearest[i].distance, samples.points[i]);
       const Vec3d& normal = samples.normals[i];
@@ -212,6 +213,25 @@ class Measurement {
       tally.angle.take(angle, samples.points[i]);
       tally.angle_sum += angle;
       ++tally.angles;
+    }
+  }
+
+  /// Where F has walls, the gradient leads past the nearest surface: searches around the farthest
+  /// sample of a batch until that stays the farthest.
+  void confirm_farthest(const std::vector<Vec3d>& points, std::vector<Projection>& nearest) const {
+    const auto less = [](const Projection& a, const Projection& b) {
+      return a.distance < b.distance;
+    };
+    for (std::size_t round = 0; round < nearest.size(); ++round) {
+      const auto farthest = std::max_element(nearest.begin(), nearest.end(), less);
+      if (farthest == nearest.end() || !std::isfinite(farthest->distance)) return;
+      const Vec3d& p = points[static_cast<std::size_t>(farthest - nearest.begin())];
+      double found = farthest->distance;
+      for (const ImplicitSurface* surface : surfaces_) {
+        found = searched_distance(*surface, p, found);
+      }
+      if (!(found < 0.99 * farthest->distance)) return;
+      farthest->distance = found;
     }
   }
 

@@ -3,6 +3,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <vector>
 
 #include "polygonize/edge_root.h"
 
@@ -301,6 +302,36 @@ void project(const ImplicitSurface& surface, const ImplicitSurface& local, const
              std::span<const Vec3d> points, double search_limit, std::span<Projection> out) {
   for (Projection& projection : out) projection = {};
   Projector(surface, local, box, points, search_limit, out).run();
+}
+
+double searched_distance(const ImplicitSurface& surface, const Vec3d& p, double farthest) {
+  constexpr int kSpheres = 11;
+  constexpr int kHalvings = 8;
+  const bool side = inside(surface.value(p));
+  std::vector<Vec3d> points;
+  std::vector<double> values;
+  double radius = farthest / 32;
+  for (int sphere = 0; sphere < kSpheres; ++sphere, radius *= std::numbers::sqrt2) {
+    points.clear();
+    for (int i = 0; i < 27; ++i) {
+      const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+      const double length = norm(d);
+      if (length > 0) points.push_back(p + (radius / length) * d);
+    }
+    values.resize(points.size());
+    surface.values(points, values);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      if (inside(values[i]) == side) continue;
+      double lo = 0, hi = 1;
+      for (int k = 0; k < kHalvings; ++k) {
+        const double middle = 0.5 * (lo + hi);
+        const bool same = inside(surface.value(p + middle * (points[i] - p))) == side;
+        (same ? lo : hi) = middle;
+      }
+      return hi * radius;
+    }
+  }
+  return farthest;
 }
 
 }  // namespace cs2mesh

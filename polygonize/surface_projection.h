@@ -27,4 +27,10 @@ struct Projection {
 void project(const ImplicitSurface& surface, const ImplicitSurface& local, const Aabb& box,
              std::span<const Vec3d> points, double search_limit, std::span<Projection> out);
 
+/// The distance of `p` from the nearest of the sign changes met along axes and diagonals on growing
+/// spheres about it: an upper bound of its distance from the surface. `farthest` if there is none
+/// nearer. For places where F has walls, from which no gradient points at the surface; some 300
+/// values.
+double searched_distance(const ImplicitSurface& surface, const Vec3d& p, double farthest);
+
 }  // namespace cs2mesh

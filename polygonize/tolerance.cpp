@@ -5,15 +5,19 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <sstream>
+#include <vector>
 
 #include "libfield/base/check.h"
+#include "polygonize/surface_projection.h"
 
 namespace cs2mesh {
 namespace {
 
 /// Triangles measured together through one restriction of F: neighbours in the mesh's order.
 constexpr std::size_t kChunk = 128;
+
 struct Sample {
   double distance = 0.0;
   std::size_t triangle = 0;
@@ -67,28 +71,39 @@ std::vector<Sample> first_order_distances(const ImplicitSurface& surface,
   return samples;
 }
 
-/// The distance of `p` from the surface by Newton's method along the gradient; `first` if that does
-/// not converge.
-double projected_distance(const ImplicitSurface& surface, const Vec3d& p, double first) {
+/// The distance of `p` from the surface by Newton's method along the gradient, if that converges
+/// within `first`.
+std::optional<double> newton_distance(const ImplicitSurface& surface, const Vec3d& p,
+                                      double first) {
   constexpr int kMostSteps = 20;
   constexpr double kConverged = 1e-3;  // of the distance
   Vec3d q = p;
   for (int i = 0; i < kMostSteps; ++i) {
     const Jet jet = surface.jet(q);
     const double slope = squared_norm(jet.gradient);
-    if (!(slope > 0)) return first;
+    if (!(slope > 0)) return std::nullopt;
     const Vec3d step = (-jet.value / slope) * jet.gradient;
     q += step;
     const double distance = norm(q - p);
-    if (!(distance <= 4 * first)) return first;
+    if (!(distance <= 4 * first)) return std::nullopt;
     if (norm(step) <= kConverged * distance) return distance;
   }
-  return first;
+  return std::nullopt;
 }
+
+/// An upper bound of the distance of `p` from the surface, as far as one is found: Newton's method
+/// may run past a wall that is nearer, so both are tried.
+double looked_at_distance(const ImplicitSurface& surface, const Vec3d& p, double first) {
+  return searched_distance(surface, p, newton_distance(surface, p, first).value_or(first));
+}
+
+/// A mesh is taken when its estimate, which looks from the mesh at the surface alone and at one
+/// point of each triangle, is this share of the tolerance.
+constexpr double kAccept = 0.8;
 
 /// The next cell to try after one of side `cell` gave `error`.
 double next_cell(double cell, double error, bool creased, double tolerance) {
-  constexpr double kAim = 0.8;  // of the tolerance
+  constexpr double kAim = 0.9 * kAccept;  // of the tolerance
   const double ratio = kAim * tolerance / error;
   return cell * std::clamp(creased ? ratio : std::sqrt(ratio), 0.25, 0.9);
 }
@@ -107,22 +122,24 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
   std::vector<Sample> samples = first_order_distances(surface, mesh);
   if (samples.empty()) return 0.0;
 
-  // The first order errs far from the surface and near creases: look closely at the farthest.
-  constexpr std::size_t kLookedAt = 256;
-  const std::size_t looked_at = std::min(kLookedAt, samples.size());
-  const auto farther = [](const Sample& a, const Sample& b) {
+  // The first order errs far from the surface, near creases and between walls: look closely at the
+  // farthest, until none of the others can be farther than what was found.
+  constexpr std::size_t kBatch = 256;
+  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
     return a.distance != b.distance ? a.distance > b.distance : a.triangle < b.triangle;
-  };
-  const auto end = samples.begin() + static_cast<std::ptrdiff_t>(looked_at);
-  std::nth_element(samples.begin(), end - 1, samples.end(), farther);
-  std::vector<double> distances(looked_at);
-  tbb::parallel_for(std::size_t{0}, looked_at, [&](std::size_t i) {
-    distances[i] =
-        projected_distance(surface, sample_point(mesh, samples[i].triangle), samples[i].distance);
   });
-  double largest = *std::max_element(distances.begin(), distances.end());
-  for (auto sample = end; sample != samples.end(); ++sample) {
-    largest = std::max(largest, sample->distance);
+  double largest = 0.0;
+  std::vector<double> distances(kBatch);
+  for (std::size_t first = 0; first < samples.size() && samples[first].distance > largest;
+       first += kBatch) {
+    const std::size_t count = std::min(kBatch, samples.size() - first);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      const Sample& sample = samples[first + i];
+      distances[i] =
+          looked_at_distance(surface, sample_point(mesh, sample.triangle), sample.distance);
+    });
+    const auto end = distances.begin() + static_cast<std::ptrdiff_t>(count);
+    largest = std::max(largest, *std::max_element(distances.begin(), end));
   }
   return largest;
 }
@@ -180,7 +197,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
       best.error = error;
       best.statistics = statistics;
     }
-    if (error <= tolerance) break;
+    if (error <= kAccept * tolerance) break;
     cell = next_cell(cell, error, creased, tolerance);
   }
   best.attempts = std::move(attempts);
