@@ -101,11 +101,19 @@ double looked_at_distance(const ImplicitSurface& surface, const Vec3d& p, double
 /// point of each triangle, is this share of the tolerance.
 constexpr double kAccept = 0.8;
 
-/// The next cell to try after one of side `cell` gave `error`.
-double next_cell(double cell, double error, bool creased, double tolerance) {
+/// The next cell to try: the error goes like a power of the cell, 2 for smooth surfaces, 1 at
+/// creases, from the second attempt on as measured.
+double next_cell(const std::vector<ToleranceAttempt>& attempts, bool creased, double tolerance) {
   constexpr double kAim = 0.9 * kAccept;  // of the tolerance
-  const double ratio = kAim * tolerance / error;
-  return cell * std::clamp(creased ? ratio : std::sqrt(ratio), 0.25, 0.9);
+  const ToleranceAttempt& last = attempts.back();
+  double order = creased ? 1.0 : 2.0;
+  if (attempts.size() > 1) {
+    const ToleranceAttempt& before = attempts[attempts.size() - 2];
+    const double measured = std::log(before.error / last.error) / std::log(before.cell / last.cell);
+    if (std::isfinite(measured)) order = std::clamp(measured, 0.7, 2.0);
+  }
+  const double ratio = kAim * tolerance / last.error;
+  return last.cell * std::clamp(std::pow(ratio, 1 / order), 0.25, 0.9);
 }
 
 Diagnostic not_reached(double tolerance, const ToleranceMesh& best) {
@@ -198,7 +206,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
       best.statistics = statistics;
     }
     if (error <= kAccept * tolerance) break;
-    cell = next_cell(cell, error, creased, tolerance);
+    cell = next_cell(attempts, creased, tolerance);
   }
   best.attempts = std::move(attempts);
   best.reached = best.error <= tolerance;

@@ -65,7 +65,8 @@ double expected_cell(double radius, bool creased, double tolerance);
 /// ContractViolation), in scene units.
 ///
 /// A pilot on a larger cell tells how the error really behaves; from then on the cell follows from
-/// the last measurement (error ~ h^2, with creases ~ h), at most 4 times smaller each time. If the
+/// the last measurements (error ~ h^2, with creases ~ h, then as measured), at most 4 times smaller
+/// each time. A mesh is taken when its estimate is within 0.8 of the tolerance. If the
 /// tolerance is not reached, the mesh of the smallest error comes with a warning of
 /// Failure::tolerance and reached == false. Errors: those of mesh_lattice(); but where a retry runs
 /// into a limit, the best mesh before it is returned, with the limit's message as a warning.

@@ -43,6 +43,7 @@ struct Group {
   std::vector<Term> terms;
   SourceLocation where;
   double thinnest = 0.0;
+  bool creased = false;
 };
 
 class Compiler {
@@ -86,6 +87,9 @@ class Compiler {
     }
     if (made->radius > 0) group.thinnest = std::min(group.thinnest, made->radius);
     include(skeleton_box(*made->term), made->radius);
+    for (const StrengthProfile& profile : made->term->profiles) {
+      group.creased = group.creased || has_corners(profile);
+    }
     group.terms.push_back(std::move(*made->term));
   }
 
@@ -112,6 +116,7 @@ class Compiler {
     part.name = name;
     part.where = group.where;
     part.thinnest_radius = group.thinnest;
+    part.creased = group.creased;
     part.primitive_count = group.terms.size();
     auto field = std::make_shared<Field>(std::move(group.terms), options_.error_budget);
     part.surface = field;

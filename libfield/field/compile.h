@@ -34,7 +34,8 @@ struct Part {
   std::shared_ptr<const MaterialBlend> materials;
   /// The smallest radius in isolation of its elements, scene units; a length scale for sampling.
   double thinnest_radius = 0.0;
-  bool creased = false;  ///< F has corners (flat lids, clipped by mesh bounds)
+  /// F has corners: flat lids, profiles with corners, faces of mesh bounds.
+  bool creased = false;
   std::size_t primitive_count = 0;
 };
 

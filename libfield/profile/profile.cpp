@@ -144,4 +144,13 @@ Interval enclose(const StrengthProfile& profile, const Interval& u, const Interv
   return hull(clamp(product.lo), clamp(product.hi));
 }
 
+bool has_corners(const StrengthProfile& profile) {
+  const auto cornered = [](ProfileFunction function) {
+    return function == ProfileFunction::saw || function == ProfileFunction::hat ||
+           function == ProfileFunction::step;
+  };
+  return cornered(profile.along_u) || cornered(profile.along_v) || std::isfinite(profile.lower) ||
+         std::isfinite(profile.upper);
+}
+
 }  // namespace cs2mesh

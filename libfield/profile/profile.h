@@ -36,6 +36,9 @@ struct ProfileValue {
 };
 ProfileValue evaluate(const StrengthProfile& profile, double u, double v);
 
+/// Whether w may have corners or jumps where u and v run: by its functions, or by a clamp.
+bool has_corners(const StrengthProfile& profile);
+
 /// Contains w(u, v) for all u, v in the intervals.
 Interval enclose(const StrengthProfile& profile, const Interval& u, const Interval& v);
 
