@@ -85,7 +85,8 @@ class Measurement {
   }
 
   MeasuredError run() {
-    Tally forth = mesh_to_surface();
+    Tally forth;
+    if (options_.mesh_to_surface) forth = mesh_to_surface();
     Tally back;
     if (options_.surface_to_mesh) {
       back = surface_to_mesh();

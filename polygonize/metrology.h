@@ -18,6 +18,7 @@ struct MeasureOptions {
   /// the surface with a lattice that is fine enough to give that many.
   std::size_t samples = 0;
   bool at_vertices = true;
+  bool mesh_to_surface = true;
   bool surface_to_mesh = true;
   /// Random lines through the bounds whose crossings are added to surface to mesh; found by the
   /// certified solver, they miss no sheet, however thin, that they cross.

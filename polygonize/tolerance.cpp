@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "libfield/base/check.h"
+#include "polygonize/metrology.h"
 #include "polygonize/surface_projection.h"
 
 namespace cs2mesh {
@@ -97,16 +98,17 @@ double looked_at_distance(const ImplicitSurface& surface, const Vec3d& p, double
   return searched_distance(surface, p, newton_distance(surface, p, first).value_or(first));
 }
 
-/// A mesh is taken when its estimate, which looks from the mesh at the surface alone and at one
-/// point of each triangle, is this share of the tolerance.
-constexpr double kAccept = 0.8;
+/// A mesh is taken when its estimate, which looks at one point of each triangle and at some points
+/// of the surface, is this share of the tolerance.
+constexpr double kAccept = 0.92;
 
-/// The next cell to try: the error goes like a power of the cell, 2 for smooth surfaces, 1 at
-/// creases, from the second attempt on as measured.
+/// The next cell to try: the error goes like a power of the cell, 2 for smooth surfaces that are
+/// well resolved, which they are not yet on the pilot's cell, 1 at creases; from the second attempt
+/// on as measured.
 double next_cell(const std::vector<ToleranceAttempt>& attempts, bool creased, double tolerance) {
-  constexpr double kAim = 0.9 * kAccept;  // of the tolerance
+  constexpr double kAim = 0.8 * kAccept;  // of the tolerance
   const ToleranceAttempt& last = attempts.back();
-  double order = creased ? 1.0 : 2.0;
+  double order = creased ? 1.0 : 1.5;
   if (attempts.size() > 1) {
     const ToleranceAttempt& before = attempts[attempts.size() - 2];
     const double measured = std::log(before.error / last.error) / std::log(before.cell / last.cell);
@@ -152,6 +154,16 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
   return largest;
 }
 
+double TwoSidedEstimate::largest_distance(const ImplicitSurface& surface,
+                                          const TriangleMesh& mesh) const {
+  const double forth = GradientEstimate().largest_distance(surface, mesh);
+  if (forth > enough_) return forth;
+  MeasureOptions options;
+  options.samples = samples_;
+  options.mesh_to_surface = false;
+  return std::max(forth, measure(surface, mesh, options).surface_to_mesh_max);
+}
+
 double expected_cell(double radius, bool creased, double tolerance) {
   constexpr double kSagitta = 0.3;
   constexpr double kAim = 0.8;        // of the tolerance
@@ -170,9 +182,9 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   require(tolerance > 0 && std::isfinite(tolerance),
           "mesh_to_tolerance: the tolerance must be positive");
   require(options.most_attempts >= 1, "mesh_to_tolerance: at least one attempt");
-  const GradientEstimate gradient_estimate;
-  const DistanceEstimate& estimate =
-      options.estimate != nullptr ? *options.estimate : gradient_estimate;
+  constexpr std::size_t kSurfaceSamples = 100'000;
+  const TwoSidedEstimate two_sided(kAccept * tolerance, kSurfaceSamples);
+  const DistanceEstimate& estimate = options.estimate != nullptr ? *options.estimate : two_sided;
 
   // The radius is that of the thinnest element, the surface may curve less or more. A pilot on
   // twice the cell costs a quarter, and may do.

@@ -29,13 +29,25 @@ class GradientEstimate final : public DistanceEstimate {
   double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
 };
 
+/// GradientEstimate, and where that is within `enough`, also from the surface at the mesh: from
+/// about `samples` points of the surface, found without the mesh, so that lost pieces are seen.
+class TwoSidedEstimate final : public DistanceEstimate {
+ public:
+  TwoSidedEstimate(double enough, std::size_t samples) : enough_(enough), samples_(samples) {}
+  double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
+
+ private:
+  double enough_;
+  std::size_t samples_;
+};
+
 struct ToleranceOptions {
   Vec3d origin{};  ///< a node of the lattice
   std::size_t max_nodes = 400'000'000;
   std::size_t max_triangles = 50'000'000;
   /// Meshes made at most; the first is a pilot on a larger cell.
   int most_attempts = 4;
-  const DistanceEstimate* estimate = nullptr;  ///< GradientEstimate if null
+  const DistanceEstimate* estimate = nullptr;  ///< TwoSidedEstimate if null
   Progress* progress = nullptr;
 };
 
@@ -66,7 +78,7 @@ double expected_cell(double radius, bool creased, double tolerance);
 ///
 /// A pilot on a larger cell tells how the error really behaves; from then on the cell follows from
 /// the last measurements (error ~ h^2, with creases ~ h, then as measured), at most 4 times smaller
-/// each time. A mesh is taken when its estimate is within 0.8 of the tolerance. If the
+/// each time. A mesh is taken when its estimate is within 0.92 of the tolerance. If the
 /// tolerance is not reached, the mesh of the smallest error comes with a warning of
 /// Failure::tolerance and reached == false. Errors: those of mesh_lattice(); but where a retry runs
 /// into a limit, the best mesh before it is returned, with the limit's message as a warning.
