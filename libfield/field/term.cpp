@@ -272,6 +272,16 @@ WeightBound weight_bound(const Term& term, const P& primitive, const LocalBox& l
   return b;
 }
 
+/// The weight, if it is constant over the box, as between the corners of a clamped profile.
+template <class P>
+std::optional<Interval> flat_weight(const Term& term, const P& primitive, const LocalBox& local) {
+  const WeightBound weight = weight_bound(term, primitive, local);
+  for (const Interval& component : weight.gradient) {
+    if (component.magnitude() > std::numeric_limits<double>::min()) return std::nullopt;
+  }
+  return weight.w;
+}
+
 std::array<Interval, 3> ball(const Vec3d& center, double radius) {
   return {widened(center.x, radius), widened(center.y, radius), widened(center.z, radius)};
 }
@@ -333,14 +343,23 @@ ValueBound value_bound(const Term& term, const Aabb& box) {
     const Reach r = reach(term, primitive, local);
     ValueBound b = integral_bound(term, kernel, primitive, local, r);
     const Interval sign(term.sign);
+    double factor = term.sign;
     if (!term.profiles.empty()) {
-      // A profile has corners: its product with the integral is bounded as a product of ranges.
-      b.range = sign * weight_range(term, primitive, local) * integral_range(b, local.radius);
-      b.taylor = false;
-      return b;
+      const std::optional<Interval> flat =
+          b.taylor ? flat_weight(term, primitive, local) : std::nullopt;
+      if (!flat) {
+        // A profile has corners: its product with the integral is bounded as a product of ranges.
+        b.range = sign * weight_range(term, primitive, local) * integral_range(b, local.radius);
+        b.taylor = false;
+        return b;
+      }
+      factor *= 0.5 * (flat->lo + flat->hi);
+      b.hessian *= flat->magnitude();
+      b.rounding = b.rounding * flat->magnitude() + flat->width() * b.range.magnitude();
+      b.range = *flat * b.range;
     }
     b.range = sign * b.range;
-    b.center = term.sign * Jet{b.center.value, to_world_gradient(term, b.center.gradient)};
+    b.center = factor * Jet{b.center.value, to_world_gradient(term, b.center.gradient)};
     b.hessian *= local.stretch * local.stretch;
     return b;
   });
@@ -372,11 +391,15 @@ std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box) {
 }
 
 double hessian_bound(const Term& term, const Aabb& box) {
-  if (!term.profiles.empty()) return kInfinity;
   const LocalBox local = local_box(term, box);
   return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
-    return near_bound(kernel, primitive, 2, reach(term, primitive, local)) * local.stretch *
-           local.stretch;
+    double factor = local.stretch * local.stretch;
+    if (!term.profiles.empty()) {
+      const std::optional<Interval> flat = flat_weight(term, primitive, local);
+      if (!flat) return kInfinity;
+      factor *= flat->magnitude();
+    }
+    return factor * near_bound(kernel, primitive, 2, reach(term, primitive, local));
   });
 }
 

@@ -55,7 +55,7 @@ ValueBound value_bound(const Term& term, const Aabb& box);
 /// Each component of the gradient of f lies in its interval, at every point of the box.
 std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box);
 
-/// >= |D^2 f| on the box; infinite where there is no bound, as under a profile.
+/// >= |D^2 f| on the box; infinite where there is no bound, as where a profile is not constant.
 double hessian_bound(const Term& term, const Aabb& box);
 
 /// An upper bound of |f| at every point at least `distance` from the primitive's box.

@@ -56,7 +56,8 @@ UvGradientBound enclose_uv_gradient(const Segment& segment, const Aabb& box) {
   const double x = dot(d, axis);
   const Vec3d g = axis / length;
   const bool inside = x - radius > 0 && x + radius < length;
-  bound.u = inside ? near(g, 1e-15 * norm(g)) : clamped(g);
+  const bool outside = x + radius < 0 || x - radius > length;
+  bound.u = inside ? near(g, 1e-15 * norm(g)) : outside ? around_zero(0.0) : clamped(g);
   bound.v = around_zero(reciprocal(1 / (2 * kPi), norm(cross(axis, d)) - radius));
   bound.seam_v = true;
   return bound;
@@ -78,7 +79,9 @@ UvGradientBound enclose_uv_gradient(const Arc& arc, const Aabb& box) {
     const double from_middle = std::abs(std::atan2(y, x));
     const Vec3d g = e_phi / (rho * arc.sweep);
     bound.u = near(g, kSlack * radius / (rho_min * rho_min * arc.sweep));
-    if (from_middle + turn >= arc.sweep / 2) {
+    if (from_middle - turn > arc.sweep / 2 && from_middle + turn < kPi) {
+      bound.u = around_zero(0.0);  // clamped throughout
+    } else if (from_middle + turn >= arc.sweep / 2) {
       for (Interval& component : bound.u) component = hull(component, 0.0);
     }
     bound.seam_u = from_middle + turn >= kPi;
