@@ -120,11 +120,14 @@ Result<MadeTerm> make_term(const Scene& scene, const Element& element) {
                     Failure::unmeshable);
   }
 
-  // A primitive of no size is a point.
+  // A primitive of no size is a point, unless the plain integral is asked for.
   Term term;
   bool degenerate = false;
-  const double reference = radius_of(scene, element).value_or(material.width.value_or(1.0));
-  term.primitive = as_point_if_degenerate(element.skeleton, reference, degenerate);
+  const std::optional<double> radius = radius_of(scene, element);
+  const bool plain = material.width && !material.radius;
+  term.primitive = plain || !radius
+                       ? element.skeleton
+                       : as_point_if_degenerate(element.skeleton, *radius, degenerate);
   if (degenerate) {
     notes.push_back({Severity::note, Failure::none, element.where,
                      std::string(name_of(element.kind)) + " of no size counts as a point"});
