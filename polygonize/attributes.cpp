@@ -65,6 +65,7 @@ void add_normals(TriangleMesh& mesh, const ImplicitSurface& surface) {
 void add_colors(TriangleMesh& mesh, const MaterialBlend& blend,
                 const std::vector<Material>& materials) {
   std::vector<Vec3d> palette;
+  palette.reserve(materials.size());
   for (const Material& material : materials) palette.push_back(linear_color(material.diffuse));
   mesh.colors.assign(mesh.positions.size(), Vec3<float>());
   const tbb::blocked_range<std::size_t> all(0, mesh.positions.size(), kBatch);

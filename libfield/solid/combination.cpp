@@ -99,6 +99,7 @@ std::unique_ptr<ImplicitSurface> Combination::restrict_to(const Aabb& box) const
   const auto candidates = deciding(box);
   if (candidates.size() == 1) return candidates[0]->restrict_to(box);
   std::vector<std::shared_ptr<const ImplicitSurface>> parts;
+  parts.reserve(candidates.size());
   for (const ImplicitSurface* part : candidates) parts.push_back(part->restrict_to(box));
   return std::make_unique<Combination>(kind_, std::move(parts));
 }

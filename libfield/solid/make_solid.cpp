@@ -40,7 +40,7 @@ Surface capped_cylinder(const Placement& placement, const Segment& axis, double 
 Surface flat_ended_arc(const Placement& placement, const Arc& arc, double radius) {
   Arc circle = arc;
   circle.sweep = 2 * std::numbers::pi;
-  const Surface torus = std::make_shared<Offset>(circle, radius, placement.to_local);
+  Surface torus = std::make_shared<Offset>(circle, radius, placement.to_local);
   if (arc.sweep >= 2 * std::numbers::pi) return torus;
   const double c = std::cos(0.5 * arc.sweep);
   const double s = std::sin(0.5 * arc.sweep);

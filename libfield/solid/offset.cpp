@@ -78,9 +78,9 @@ double curvature_bound(const Arc& arc, const Vec3d& center, double ball_radius, 
 }  // namespace
 
 Offset::Offset(Primitive primitive, double radius, std::optional<Affine> to_local)
-    : primitive_(std::move(primitive)),
+    : primitive_(primitive),
       radius_(radius),
-      to_local_(std::move(to_local)),
+      to_local_(to_local),
       stretch_(to_local_ ? stretch_bound(to_local_->linear) : 1.0) {
   require(radius > 0, "an offset needs a positive radius");
 }
