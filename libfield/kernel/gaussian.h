@@ -11,6 +11,7 @@
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
 
@@ -25,7 +26,7 @@ struct Gaussian {
   T profile(const T& u) const {
     using std::exp;
     const T exponent = T(log_amplitude) - T(a) * T(a) * u;
-    return exp(exponent < T(kGreatestExponent) ? exponent : T(kGreatestExponent));
+    return exp(select(exponent < T(kGreatestExponent), exponent, T(kGreatestExponent)));
   }
   /// dh/du.
   template <class T>
