@@ -32,7 +32,7 @@ inline constexpr std::array<double, 14> kSmallErf = {
 /// erf(x) for 0 <= x <= 1, within 2 ulp.
 template <class T>
 T small_erf(const T& x) {
-  return x * polynomial(detail::kSmallErf, T(x * x));
+  return x + x * polynomial(detail::kSmallErf, T(x * x));
 }
 
 /// The scaled complementary error function exp(x^2) erfc(x) for x >= 0, within 7e-16 of its size;

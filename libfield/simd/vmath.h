@@ -20,11 +20,14 @@ inline constexpr double kLn2High = 0x1.62e42feep-1, kLn2Low = 0x1.a39ef35793c76p
 inline constexpr std::array<double, 12> kExponential = {
     1.0 / 2,     1.0 / 6,      1.0 / 24,      1.0 / 120,      1.0 / 720,       1.0 / 5040,
     1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
-inline constexpr std::array<double, 12> kArctan = {
+inline constexpr std::array<double, 14> kArctan = {
 #include "libfield/integral/arctan_table.inc"
 };
-inline constexpr double kQuarterPi = 0x1.921fb54442d18p-1, kQuarterPiLow = 0x1.1a62633145c07p-55;
-inline constexpr double kTanEighthPi = 0x1.a827999fcef32p-2;
+/// pi / 4 in two parts; products of the first with 2, 3, 4 are exact.
+inline constexpr double kQuarterPiHigh = 0x1.921fb54442d00p-1,
+                        kQuarterPiLow = 0x1.8469898cc5170p-49;
+/// Just above tan(1 / 2): what is added to pi / 4 stays below its last places.
+inline constexpr double kMiddle = 35.0 / 64.0;
 
 /// 2^k for integers -1022 <= k <= 1023.
 template <int N>
@@ -73,8 +76,8 @@ Pack<N> atan2(const Pack<N>& y, const Pack<N>& x) {
   const Pack<N> ax = abs(x), ay = abs(y);
   const auto steep = ax < ay;
   const Pack<N> least = select(steep, ax, ay), greatest = select(steep, ay, ax);
-  // Eighths of pi: above tan(pi / 8), arctan(t) = pi / 4 + arctan((t - 1) / (t + 1)).
-  const auto middle = detail::kTanEighthPi * greatest < least;
+  // Near the diagonal, arctan(t) = pi / 4 + arctan((t - 1) / (t + 1)).
+  const auto middle = detail::kMiddle * greatest < least;
   const Pack<N> z =
       select(middle, least - greatest, least) / select(middle, least + greatest, greatest);
   const Pack<N> w = z * z;
@@ -85,7 +88,8 @@ Pack<N> atan2(const Pack<N>& y, const Pack<N>& x) {
   quarters = select(steep, 2.0 - quarters, quarters);
   quarters = select(left, 4.0 - quarters, quarters);
   const Pack<N> turned = select(steep ^ left, -arctan, arctan);
-  return copysign(quarters * detail::kQuarterPi + (quarters * detail::kQuarterPiLow + turned), y);
+  return copysign(quarters * detail::kQuarterPiHigh + (quarters * detail::kQuarterPiLow + turned),
+                  y);
 }
 
 }  // namespace cs2mesh

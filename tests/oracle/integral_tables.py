@@ -7,13 +7,12 @@ gauss_legendre_table.inc  nodes and weights of Gauss-Legendre rules of even orde
 erfcx_table.inc           powers of t of (1 + 2x) erfcx(x), t = (x - 3) / (x + 3), x >= 0;
 cauchy_tail_table.inc     powers of z of the integral of u^4 / (1 + y u^2)^3 over u in [0, 1],
                           y = 0.245 (1 + z) in [0, 0.49];
-small_erf_table.inc       powers of w of erf(sqrt(w)) / sqrt(w), w in [0, 1];
-arctan_table.inc          powers of w of (arctan(z) / z - 1) / w, w = z^2, 0 <= z <= tan(pi / 8).
+small_erf_table.inc       powers of w of erf(z) / z - 1, w = z^2 in [0, 1];
+arctan_table.inc          powers of w of (arctan(z) / z - 1) / w, w = z^2, 0 <= z <= 35/64.
 """
 import sys
 
-from mpmath import (atan, cos, erf, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad, sqrt,
-                    tan)
+from mpmath import (atan, cos, erf, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad, sqrt)
 
 mp.dps = 60
 HEAD = "// Written by tests/oracle/integral_tables.py.\n"
@@ -97,10 +96,10 @@ def main(folder):
     y_max = mpf("0.49")
     tail = lambda z: quad(lambda u: u**4 / (1 + y_max * (1 + z) / 2 * u * u) ** 3, [0, 0.5, 1])
     write_list(f"{folder}/cauchy_tail_table.inc", powers(chebyshev_coefficients(tail, 17)))
-    small_erf = lambda w: erf(sqrt(w)) / sqrt(w)
+    small_erf = lambda w: erf(sqrt(w)) / sqrt(w) - 1
     write_list(f"{folder}/small_erf_table.inc", powers_from_zero(small_erf, mpf(1), 13))
     arctan = lambda w: (atan(sqrt(w)) / sqrt(w) - 1) / w
-    write_list(f"{folder}/arctan_table.inc", powers_from_zero(arctan, tan(pi / 8)**2, 11))
+    write_list(f"{folder}/arctan_table.inc", powers_from_zero(arctan, (mpf(35) / 64)**2, 13))
 
 
 if __name__ == "__main__":
