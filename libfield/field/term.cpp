@@ -296,12 +296,14 @@ void add_integrals(const Term& term, const K& kernel, const P& primitive, double
                    std::span<const Vec3d> points, std::span<Jet> sums) {
   using F = typename FrameTypeOf<P>::type;
   if constexpr (kHasBulk<K, F>) {
-    const auto add = std::get<AddIntegrals<K, F>>(bulk_table());
-    add(kernel, std::get<F>(term.frame), sign, points.data(), sums.data(), points.size());
-  } else {
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      sums[i] += sign * integral_of(term, kernel, primitive, points[i]);
+    if (points.size() >= kBulkCount) {
+      const auto add = std::get<AddIntegrals<K, F>>(bulk_table());
+      add(kernel, std::get<F>(term.frame), sign, points.data(), sums.data(), points.size());
+      return;
     }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sums[i] += sign * integral_of(term, kernel, primitive, points[i]);
   }
 }
 

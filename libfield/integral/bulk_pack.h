@@ -6,7 +6,7 @@
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/point.h"
-#include "libfield/simd/vmath.h"
+#include "libfield/simd/pack.h"
 
 namespace cs2mesh::detail {
 

@@ -93,7 +93,6 @@ std::array<ArcEnd<T>, 2> arc_ends(const ArcFrame<T>& arc, const ArcPoint<T>& at)
 template <class T>
 ArcPowers<T> arc_closed(const ArcFrame<T>& arc, const T& m, const T& q, const ArcEnd<T>& e1,
                         const ArcEnd<T>& e2) {
-  using std::atan2;
   using std::sqrt;
   ArcPowers<T> out;
   const T root = sqrt(m * q);
@@ -101,7 +100,8 @@ ArcPowers<T> arc_closed(const ArcFrame<T>& arc, const T& m, const T& q, const Ar
   const T a1 = e1.sine * e1.cosine * e1.w, a2 = e2.sine * e2.cosine * e2.w;
   const T rise1 = a2 - a1;  // of tau / V
   const T rise2 = a2 * (e2.cosine * e2.cosine) * e2.w - a1 * (e1.cosine * e1.cosine) * e1.w;
-  out.j1 = atan2(T(root * arc.sin_half), T(m * (e1.cosine * e2.cosine) + q * (e1.sine * e2.sine))) *
+  out.j1 = vmath::atan2(T(root * arc.sin_half),
+                        T(m * (e1.cosine * e2.cosine) + q * (e1.sine * e2.sine))) *
            (root * (im * iq));
   out.j2 = (out.j1 + rise1) * (T(0.5) * im);
   out.j3 = (T(3) * out.j2 + rise2) * (T(0.25) * im);

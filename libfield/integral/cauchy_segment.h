@@ -25,6 +25,7 @@
 #include "libfield/integral/frames.h"
 #include "libfield/integral/special.h"
 #include "libfield/kernel/cauchy.h"
+#include "libfield/simd/vmath.h"
 
 namespace cs2mesh {
 namespace detail {
@@ -79,13 +80,12 @@ CauchyLine<T> cauchy_line_nodes(const T& s2, const T& t1, const T& length, const
 template <class T>
 CauchyLine<T> cauchy_line_closed(const T& s, const T& t1, const T& t2, const T& length, const T& p,
                                  const T& w1, const T& w2) {
-  using std::atan2;
   using std::sqrt;
   CauchyLine<T> out;
   const T product = s * t1 * (s * t2);
   const T root = s * sqrt(p);
   const T half = T(0.5) / p;
-  out.j1 = atan2(T(root * length), T(p + product)) / root;
+  out.j1 = vmath::atan2(T(root * length), T(p + product)) / root;
   out.j2 = (out.j1 + length * (p - product) * (w1 * w2)) * half;
   out.j3 = (T(3) * out.j2 + (t2 * (w2 * w2) - t1 * (w1 * w1))) * (T(0.5) * half);
   return out;

@@ -65,9 +65,8 @@ T flat_gaussian(const T& b, const T& q) {
 /// exp, with the exponent cut off.
 template <class T>
 T bounded_exp(const T& exponent) {
-  using std::exp;
   const T greatest(Gaussian::kGreatestExponent);
-  return exp(select(exponent < greatest, exponent, greatest));
+  return vmath::exp(select(exponent < greatest, exponent, greatest));
 }
 
 /// The integral over t1 <= t <= t2 = t1 + length at squared distance c2, and h(r1) - h(r2).
@@ -89,7 +88,6 @@ requires(!kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, co
   using std::acos;
   using std::erf;
   using std::erfc;
-  using std::expm1;
   using std::sqrt;
   const T a(kernel.a);
   const T across = T(kernel.log_amplitude) - a * a * c2;
@@ -99,7 +97,7 @@ requires(!kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, co
                                 : T(erf(x2) - erf(x1));
   const T half_root_pi = sqrt(acos(T(-1))) / T(2);
   return {half_root_pi / a * bounded_exp(across) * between,
-          bounded_exp(T(across - x1 * x1)) * -expm1(T(x1 * x1 - x2 * x2))};
+          bounded_exp(T(across - x1 * x1)) * -vmath::expm1(T(x1 * x1 - x2 * x2))};
 }
 
 inline constexpr double kHalfRootPi = 0.5 / std::numbers::inv_sqrtpi;
@@ -120,8 +118,6 @@ requires(kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, con
                                                      const T& t2, const T& length, const T& c2) {
   using std::abs;
   using std::copysign;
-  using std::exp;
-  using std::expm1;
   using std::max;
   using std::min;
   const T a(kernel.a);
@@ -135,9 +131,10 @@ requires(kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, con
   const auto alive = exponent > T(kLeastExponent);
   if (!any(alive)) return {};
   const T delta = a2 * (length * abs(sum));
-  const T fall = -expm1(-delta);
+  const T fall = -vmath::expm1(T(-delta));
   const T top = bounded_exp(exponent);
-  const T below_top = any(on_segment) ? select(on_segment, T(exp(-near * near)), T(1)) : T(1);
+  const T below_top =
+      any(on_segment) ? select(on_segment, vmath::exp(T(-near * near)), T(1)) : T(1);
   const T at_near = top * below_top;
   const T q = a2 * (length * length);
   const T scale = T(kHalfRootPi) / a * top;

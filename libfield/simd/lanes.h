@@ -3,6 +3,8 @@
 // into ordinary branches. pack.h has the same functions for packs.
 #pragma once
 
+#include <bit>
+#include <cstdint>
 #include <type_traits>
 
 #include "libfield/base/jet.h"
@@ -22,6 +24,15 @@ using MaskOf = typename LanesOf<T>::Mask;
 /// have the digits to spare and use the closed form alone.
 template <class T>
 inline constexpr bool kIsDouble = std::is_same_v<typename LanesOf<T>::Number, double>;
+
+/// 1.5 * 2^52, whose unit in the last place is 1: x + kRounder holds x rounded to an integer in its
+/// low bits.
+inline constexpr double kRounder = 0x1.8p52;
+
+/// 2^k for integers -1022 <= k <= 1023.
+inline double power_of_two(double k) {
+  return std::bit_cast<double>((std::bit_cast<std::uint64_t>(k + kRounder) + 1023) << 52);
+}
 
 /// Whether any, or every, lane is set.
 constexpr bool any(bool mask) {

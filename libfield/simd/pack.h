@@ -8,7 +8,6 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <utility>
 
 #if defined(__SSE2__)
@@ -24,6 +23,10 @@ template <int N>
 struct LaneVectors {
   typedef double Doubles __attribute__((vector_size(8 * N)));
   typedef std::int64_t Integers __attribute__((vector_size(8 * N)));
+  /// As it lies in memory, wherever that is.
+  struct __attribute__((packed, may_alias)) Stored {
+    Doubles lane;
+  };
 };
 }  // namespace detail
 
@@ -106,6 +109,10 @@ struct Pack {
     const Integers sign = Integers{} + INT64_MIN;
     return Pack((Doubles)(((Integers)a.lane & ~sign) | ((Integers)b.lane & sign)));
   }
+  /// 2^k for integers -1022 <= k <= 1023.
+  friend Pack power_of_two(const Pack& k) {
+    return Pack((Doubles)(((Integers)(k + kRounder).lane + 1023) << 52));
+  }
   /// As std::min and std::max: a, unless b is less or greater.
   friend Pack min(const Pack& a, const Pack& b) { return select(b < a, b, a); }
   friend Pack max(const Pack& a, const Pack& b) { return select(a < b, b, a); }
@@ -175,8 +182,9 @@ Pack<N> every_third(const Pack<N> (&rows)[3]) {
 template <int N>
 Vec3<Pack<N>> load(const Vec3d* vectors) {
   static_assert(sizeof(Vec3d) == 3 * sizeof(double));
+  const auto* stored = reinterpret_cast<const typename detail::LaneVectors<N>::Stored*>(vectors);
   Pack<N> rows[3];
-  std::memcpy(static_cast<void*>(rows), vectors, sizeof rows);
+  for (int i = 0; i < 3; ++i) rows[i].lane = stored[i].lane;
   return {detail::every_third<N, 0>(rows), detail::every_third<N, 1>(rows),
           detail::every_third<N, 2>(rows)};
 }
@@ -186,8 +194,7 @@ template <int N>
 void add_to(const JetOf<Pack<N>>& jet, Jet* sums) {
   static_assert(sizeof(Jet) == 4 * sizeof(double));
   using Lanes = std::make_integer_sequence<int, N>;
-  Pack<N> rows[4];
-  std::memcpy(static_cast<void*>(rows), sums, sizeof rows);
+  auto* stored = reinterpret_cast<typename detail::LaneVectors<N>::Stored*>(sums);
   const auto zip = [](const auto& a, const auto& b, auto index) {
     return detail::shuffled(a, b, index, Lanes{});
   };
@@ -196,11 +203,10 @@ void add_to(const JetOf<Pack<N>>& jet, Jet* sums) {
   const Pack<N> vx1 = zip(jet.value, g.x, detail::Zip<N, 1, 1>{});
   const Pack<N> yz0 = zip(g.y, g.z, detail::Zip<N, 1, 0>{});
   const Pack<N> yz1 = zip(g.y, g.z, detail::Zip<N, 1, 1>{});
-  rows[0] += zip(vx0, yz0, detail::Zip<N, 2, 0>{});
-  rows[1] += zip(vx0, yz0, detail::Zip<N, 2, 1>{});
-  rows[2] += zip(vx1, yz1, detail::Zip<N, 2, 0>{});
-  rows[3] += zip(vx1, yz1, detail::Zip<N, 2, 1>{});
-  std::memcpy(static_cast<void*>(sums), rows, sizeof rows);
+  stored[0].lane += zip(vx0, yz0, detail::Zip<N, 2, 0>{}).lane;
+  stored[1].lane += zip(vx0, yz0, detail::Zip<N, 2, 1>{}).lane;
+  stored[2].lane += zip(vx1, yz1, detail::Zip<N, 2, 0>{}).lane;
+  stored[3].lane += zip(vx1, yz1, detail::Zip<N, 2, 1>{}).lane;
 }
 
 }  // namespace cs2mesh

@@ -67,26 +67,6 @@ TEST(Bulk, APointGetsTheSameBitsAloneInAnyBatchAndWithAnyInstructions) {
   }
 }
 
-TEST(Bulk, AgreesWithOnePointAtATimeToAFewUlp) {
-  constexpr double kUlp = 2.3e-16;
-  with_every_isa([&](Isa) {
-    for (std::uint64_t stream = 0; stream < 300; ++stream) {
-      const Batch batch = random_batch(stream, 64);
-      std::vector<Jet> sums(batch.points.size());
-      accumulate(batch.term, batch.points, sums);
-      for (std::size_t i = 0; i < batch.points.size(); ++i) {
-        const Aabb point{batch.points[i], batch.points[i]};
-        // The bounds of a box without extent are the field by the plain path and its rounding.
-        const ValueBound bound = value_bound(batch.term, point);
-        if (!bound.taylor) continue;
-        EXPECT_LE(std::abs(sums[i].value - bound.center.value), bound.rounding / 16 + 1e-300);
-        EXPECT_LE(norm(sums[i].gradient - bound.center.gradient),
-                  64 * kUlp * norm(bound.center.gradient) + 16 * kUlp * bound.hessian + 1e-300);
-      }
-    }
-  });
-}
-
 TEST(Bulk, AddsToWhatIsThereAndLeavesTheRestAlone) {
   const Term term = plain_term(Cauchy{2.0}, Point{{0, 0, 0}});
   Term less = term;
