@@ -33,34 +33,60 @@ struct LaneVectors {
 /// A truth value a lane.
 template <int N>
 struct Mask {
+  using Doubles = typename detail::LaneVectors<N>::Doubles;
   using Bits = typename detail::LaneVectors<N>::Integers;
   Bits bits;  ///< 0 or -1
 
-  Mask() = default;
   explicit Mask(const Bits& b) : bits(b) {}
   explicit Mask(bool everywhere) : bits(Bits{} - std::int64_t{everywhere}) {}
+  static Mask less(const Doubles& a, const Doubles& b) { return Mask(Bits(a < b)); }
+  static Mask less_equal(const Doubles& a, const Doubles& b) { return Mask(Bits(a <= b)); }
+  Doubles blend(const Doubles& yes, const Doubles& no) const { return bits ? yes : no; }
 
   friend Mask operator&(const Mask& a, const Mask& b) { return Mask(Bits(a.bits & b.bits)); }
   friend Mask operator|(const Mask& a, const Mask& b) { return Mask(Bits(a.bits | b.bits)); }
   friend Mask operator^(const Mask& a, const Mask& b) { return Mask(Bits(a.bits ^ b.bits)); }
   friend Mask operator!(const Mask& a) { return Mask(Bits(~a.bits)); }
-};
 
-template <int N>
-bool any(const Mask<N>& mask) {
-#if defined(__AVX512DQ__)
-  if constexpr (N == 8) return _mm512_movepi64_mask((__m512i)mask.bits) != 0;
-#endif
+  friend bool any(const Mask& mask) {
 #if defined(__AVX__)
-  if constexpr (N == 4) return _mm256_movemask_pd((__m256d)mask.bits) != 0;
+    if constexpr (N == 4) return _mm256_movemask_pd((__m256d)mask.bits) != 0;
 #endif
 #if defined(__SSE2__)
-  if constexpr (N == 2) return _mm_movemask_pd((__m128d)mask.bits) != 0;
+    if constexpr (N == 2) return _mm_movemask_pd((__m128d)mask.bits) != 0;
 #endif
-  std::int64_t one = 0;
-  for (int i = 0; i < N; ++i) one |= mask.bits[i];
-  return one != 0;
-}
+    std::int64_t one = 0;
+    for (int i = 0; i < N; ++i) one |= mask.bits[i];
+    return one != 0;
+  }
+};
+
+#if defined(__AVX512F__)
+/// In a mask register: a bit a lane.
+template <>
+struct Mask<8> {
+  using Doubles = typename detail::LaneVectors<8>::Doubles;
+  __mmask8 bits;
+
+  explicit Mask(__mmask8 b) : bits(b) {}
+  explicit Mask(bool everywhere) : bits(everywhere ? 0xff : 0) {}
+  static Mask less(const Doubles& a, const Doubles& b) {
+    return Mask(_mm512_cmp_pd_mask(a, b, _CMP_LT_OS));
+  }
+  static Mask less_equal(const Doubles& a, const Doubles& b) {
+    return Mask(_mm512_cmp_pd_mask(a, b, _CMP_LE_OS));
+  }
+  Doubles blend(const Doubles& yes, const Doubles& no) const {
+    return _mm512_mask_blend_pd(bits, no, yes);
+  }
+
+  friend Mask operator&(Mask a, Mask b) { return Mask(static_cast<__mmask8>(a.bits & b.bits)); }
+  friend Mask operator|(Mask a, Mask b) { return Mask(static_cast<__mmask8>(a.bits | b.bits)); }
+  friend Mask operator^(Mask a, Mask b) { return Mask(static_cast<__mmask8>(a.bits ^ b.bits)); }
+  friend Mask operator!(Mask a) { return Mask(static_cast<__mmask8>(~a.bits)); }
+  friend bool any(Mask mask) { return mask.bits != 0; }
+};
+#endif
 
 template <int N>
 bool all(const Mask<N>& mask) {
@@ -87,17 +113,15 @@ struct Pack {
   friend Pack operator/(const Pack& a, const Pack& b) { return Pack(Doubles(a.lane / b.lane)); }
   friend Pack operator-(const Pack& a) { return Pack(Doubles(-a.lane)); }
 
-  friend Mask<N> operator<(const Pack& a, const Pack& b) {
-    return Mask<N>(Integers(a.lane < b.lane));
-  }
+  friend Mask<N> operator<(const Pack& a, const Pack& b) { return Mask<N>::less(a.lane, b.lane); }
   friend Mask<N> operator<=(const Pack& a, const Pack& b) {
-    return Mask<N>(Integers(a.lane <= b.lane));
+    return Mask<N>::less_equal(a.lane, b.lane);
   }
   friend Mask<N> operator>(const Pack& a, const Pack& b) { return b < a; }
   friend Mask<N> operator>=(const Pack& a, const Pack& b) { return b <= a; }
 
   friend Pack select(const Mask<N>& mask, const Pack& yes, const Pack& no) {
-    return Pack(Doubles(mask.bits ? yes.lane : no.lane));
+    return Pack(mask.blend(yes.lane, no.lane));
   }
 
   friend Pack abs(const Pack& a) {
