@@ -6,13 +6,24 @@
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/point.h"
-#include "libfield/simd/pack.h"
+#include "libfield/simd/twice.h"
 
 namespace cs2mesh::detail {
 
 template <int N>
 struct BulkPack {
-  using T = Pack<N>;
+  using T = Twice<Pack<N>>;
+  static constexpr std::size_t kLanes = 2 * N;
+
+  static Vec3<T> load(const Vec3d* points) {
+    const Vec3<Pack<N>> a = cs2mesh::load<N>(points), b = cs2mesh::load<N>(points + N);
+    return {{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
+  }
+  static void add_to(const JetOf<T>& jet, Jet* sums) {
+    const Vec3<T>& g = jet.gradient;
+    cs2mesh::add_to<N>({jet.value.first, {g.x.first, g.y.first, g.z.first}}, sums);
+    cs2mesh::add_to<N>({jet.value.second, {g.x.second, g.y.second, g.z.second}}, sums + N);
+  }
 
   static Point in_lanes(const Point& point) { return point; }
   static SegmentFrame<T> in_lanes(const SegmentFrame<double>& f) { return SegmentFrame<T>(f); }
@@ -24,20 +35,20 @@ struct BulkPack {
                                    const Vec3d* points, Jet* sums, std::size_t count) {
     const auto lanes = in_lanes(frame);
     // The last point stands in for those that a pack lacks.
-    Vec3d padded[N];
-    Jet padded_sums[N];
-    for (std::size_t i = 0; i < count; i += N) {
+    Vec3d padded[kLanes];
+    Jet padded_sums[kLanes];
+    for (std::size_t i = 0; i < count; i += kLanes) {
       const std::size_t left = count - i;
       const Vec3d* from = points + i;
       Jet* to = sums + i;
-      if (left < N) {
-        for (std::size_t k = 0; k < N; ++k) padded[k] = from[k < left ? k : left - 1];
+      if (left < kLanes) {
+        for (std::size_t k = 0; k < kLanes; ++k) padded[k] = from[k < left ? k : left - 1];
         from = padded;
         for (std::size_t k = 0; k < left; ++k) padded_sums[k] = to[k];
         to = padded_sums;
       }
-      add_to<N>(T(sign) * integral(kernel, lanes, load<N>(from)), to);
-      if (left < N) {
+      add_to(T(sign) * integral(kernel, lanes, load(from)), to);
+      if (left < kLanes) {
         for (std::size_t k = 0; k < left; ++k) sums[i + k] = padded_sums[k];
       }
     }
