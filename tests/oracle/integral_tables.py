@@ -12,7 +12,8 @@ arctan_table.inc          powers of w of (arctan(z) / z - 1) / w, w = z^2, 0 <= 
 """
 import sys
 
-from mpmath import (atan, cos, erf, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad, sqrt)
+from mpmath import (atan, cos, erf, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad,
+                    sqrt)
 
 mp.dps = 60
 HEAD = "// Written by tests/oracle/integral_tables.py.\n"
