@@ -1,11 +1,13 @@
 #include "libfield/field/term.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <type_traits>
 
 #include "libfield/integral/bound.h"
+#include "libfield/integral/bulk.h"
 #include "libfield/integral/integral.h"
 #include "libfield/primitive/uv_gradient.h"
 #include "libfield/profile/profile_slopes.h"
@@ -298,9 +300,26 @@ std::array<Interval, 3> to_world_gradient(const Term& term, const std::array<Int
   return world;
 }
 
+/// Adds sign * integral at each point.
 template <class K, class P>
-Jet profiled_jet(const Term& term, const K& kernel, const P& primitive, const Vec3d& local) {
-  const Jet field = integral_of(term, kernel, primitive, local);
+void add_integrals(const Term& term, const K& kernel, const P& primitive, double sign,
+                   std::span<const Vec3d> points, std::span<Jet> sums) {
+  using F = typename FrameTypeOf<P>::type;
+  if constexpr (kHasBulk<K, F>) {
+    if (points.size() >= kBulkCount) {
+      const auto add = std::get<AddIntegrals<K, F>>(bulk_table());
+      add(kernel, std::get<F>(term.frame), sign, points.data(), sums.data(), points.size());
+      return;
+    }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sums[i] += sign * integral_of(term, kernel, primitive, points[i]);
+  }
+}
+
+/// The product of the profiles with an integral.
+template <class P>
+Jet weighted(const Term& term, const P& primitive, const Vec3d& local, const Jet& field) {
   if (term.profiles.empty()) return field;
   const Uv at = uv(primitive, local);
   const ProfileValue weight = product(term.profiles, at.u, at.v);
@@ -323,16 +342,24 @@ Frame frame_of(const Primitive& primitive) {
 void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> sums) {
   visit_pair(term, [&](const auto& kernel, const auto& primitive) {
     if (!term.to_local && term.profiles.empty()) {
-      for (std::size_t i = 0; i < points.size(); ++i) {
-        sums[i] += term.sign * integral_of(term, kernel, primitive, points[i]);
-      }
+      add_integrals(term, kernel, primitive, term.sign, points, sums);
       return;
     }
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      const Vec3d local = term.to_local ? (*term.to_local)(points[i]) : points[i];
-      Jet jet = profiled_jet(term, kernel, primitive, local);
-      jet.gradient = to_world_gradient(term, jet.gradient);
-      sums[i] += term.sign * jet;
+    constexpr std::size_t kRun = 64;
+    std::array<Vec3d, kRun> local;
+    std::array<Jet, kRun> fields;
+    for (std::size_t first = 0; first < points.size(); first += kRun) {
+      const std::size_t n = std::min(kRun, points.size() - first);
+      for (std::size_t i = 0; i < n; ++i) {
+        local[i] = term.to_local ? (*term.to_local)(points[first + i]) : points[first + i];
+        fields[i] = Jet{};
+      }
+      add_integrals(term, kernel, primitive, 1.0, {local.data(), n}, {fields.data(), n});
+      for (std::size_t i = 0; i < n; ++i) {
+        Jet jet = weighted(term, primitive, local[i], fields[i]);
+        jet.gradient = to_world_gradient(term, jet.gradient);
+        sums[first + i] += term.sign * jet;
+      }
     }
   });
 }

@@ -52,20 +52,25 @@ struct ArcEnd {
 
 template <class T>
 struct ArcPowers {
-  T j1, j2, j3;  ///< the Jk
-  T k1, k2;      ///< K1, K2
+  T j1{}, j2{}, j3{};  ///< the Jk
+  T k1{}, k2{};        ///< K1, K2
+
+  friend ArcPowers select(const MaskOf<T>& mask, const ArcPowers& yes, const ArcPowers& no) {
+    return {select(mask, yes.j1, no.j1), select(mask, yes.j2, no.j2), select(mask, yes.j3, no.j3),
+            select(mask, yes.k1, no.k1), select(mask, yes.k2, no.k2)};
+  }
 };
 
 template <class T>
 ArcPoint<T> arc_point(const ArcFrame<T>& arc, const Vec3<T>& d) {
   using std::sqrt;
-  ArcPoint<T> at{dot(d, arc.ex), dot(d, arc.ey), dot(d, arc.normal), {}, T(1), T(0)};
+  ArcPoint<T> at{dot(d, arc.ex), dot(d, arc.ey), dot(d, arc.normal), {}, {}, {}};
   at.rho = sqrt(at.x * at.x + at.y * at.y);
   // On the axis any azimuth will do.
-  if (at.rho > T(0)) {
-    at.cos_alpha = at.x / at.rho;
-    at.sin_alpha = at.y / at.rho;
-  }
+  const auto off_axis = at.rho > T(0);
+  const T divisor = select(off_axis, at.rho, T(1));
+  at.cos_alpha = select(off_axis, T(at.x / divisor), T(1));
+  at.sin_alpha = select(off_axis, T(at.y / divisor), T(0));
   return at;
 }
 
@@ -76,14 +81,10 @@ std::array<ArcEnd<T>, 2> arc_ends(const ArcFrame<T>& arc, const ArcPoint<T>& at)
   using std::abs;
   using std::sqrt;
   const T half_sine = T(0.5) * abs(at.sin_alpha);
-  T ca, sa;
-  if (at.cos_alpha >= T(0)) {
-    ca = sqrt(T(0.5) + T(0.5) * at.cos_alpha);
-    sa = half_sine / ca;
-  } else {
-    sa = sqrt(T(0.5) - T(0.5) * at.cos_alpha);
-    ca = half_sine / sa;
-  }
+  const T greater = sqrt(T(0.5) + T(0.5) * abs(at.cos_alpha));
+  const T lesser = half_sine / greater;
+  const auto front = at.cos_alpha >= T(0);
+  const T ca = select(front, greater, lesser), sa = select(front, lesser, greater);
   const T ss = arc.sin_quarter * sa, sc = arc.sin_quarter * ca;
   const T cs = arc.cos_quarter * sa, cc = arc.cos_quarter * ca;
   return {ArcEnd<T>{-(sc + cs), cc - ss, {}}, ArcEnd<T>{sc - cs, cc + ss, {}}};
@@ -92,7 +93,6 @@ std::array<ArcEnd<T>, 2> arc_ends(const ArcFrame<T>& arc, const ArcPoint<T>& at)
 template <class T>
 ArcPowers<T> arc_closed(const ArcFrame<T>& arc, const T& m, const T& q, const ArcEnd<T>& e1,
                         const ArcEnd<T>& e2) {
-  using std::atan2;
   using std::sqrt;
   ArcPowers<T> out;
   const T root = sqrt(m * q);
@@ -100,7 +100,8 @@ ArcPowers<T> arc_closed(const ArcFrame<T>& arc, const T& m, const T& q, const Ar
   const T a1 = e1.sine * e1.cosine * e1.w, a2 = e2.sine * e2.cosine * e2.w;
   const T rise1 = a2 - a1;  // of tau / V
   const T rise2 = a2 * (e2.cosine * e2.cosine) * e2.w - a1 * (e1.cosine * e1.cosine) * e1.w;
-  out.j1 = atan2(T(root * arc.sin_half), T(m * (e1.cosine * e2.cosine) + q * (e1.sine * e2.sine))) *
+  out.j1 = vmath::atan2(T(root * arc.sin_half),
+                        T(m * (e1.cosine * e2.cosine) + q * (e1.sine * e2.sine))) *
            (root * (im * iq));
   out.j2 = (out.j1 + rise1) * (T(0.5) * im);
   out.j3 = (T(3) * out.j2 + rise2) * (T(0.25) * im);
@@ -110,52 +111,53 @@ ArcPowers<T> arc_closed(const ArcFrame<T>& arc, const T& m, const T& q, const Ar
 }
 
 /// The foot is off the arc; m C^2 <= kTailReach q S^2 at both ends, the first being the nearer.
-inline ArcPowers<double> arc_tail(double m, double q, const ArcEnd<double>& near,
-                                  const ArcEnd<double>& far) {
-  ArcPowers<double> out;
-  const double iq = 1.0 / q;
-  const double cot1 = near.cosine / near.sine, cot2 = far.cosine / far.sine;
-  const double y1 = cot1 * cot1, y2 = cot2 * cot2;
-  const double ratio = m * iq;
-  const double a1 = near.sine * near.cosine * near.w, a2 = far.sine * far.cosine * far.w;
-  const double fall1 = a1 - a2;  // of tau / V
-  const double fall2 =
+template <class T>
+ArcPowers<T> arc_tail(const T& m, const T& q, const ArcEnd<T>& near, const ArcEnd<T>& far) {
+  ArcPowers<T> out;
+  const T iq = T(1) / q;
+  const T cot1 = near.cosine / near.sine, cot2 = far.cosine / far.sine;
+  const T y1 = cot1 * cot1, y2 = cot2 * cot2;
+  const T ratio = m * iq;
+  const T a1 = near.sine * near.cosine * near.w, a2 = far.sine * far.cosine * far.w;
+  const T fall1 = a1 - a2;  // of tau / V
+  const T fall2 =
       a1 * (near.cosine * near.cosine) * near.w - a2 * (far.cosine * far.cosine) * far.w;
   out.j3 =
       (cauchy_tail(ratio * y1) * (y1 * y1 * cot1) - cauchy_tail(ratio * y2) * (y2 * y2 * cot2)) *
       (iq * iq * iq);
-  out.j2 = (fall2 + 4.0 * m * out.j3) * (1.0 / 3.0);
-  out.j1 = fall1 + 2.0 * m * out.j2;
+  out.j2 = (fall2 + T(4) * m * out.j3) * T(1.0 / 3.0);
+  out.j1 = fall1 + T(2) * m * out.j2;
   out.k1 = (out.j2 - m * out.j3) * iq;
   out.k2 = (fall1 + m * m * out.j3) * (iq * iq);
   return out;
 }
 
 /// Gauss-Legendre over the whole arc; `x`, `y` as in ArcFrame, N nodes and their mirror images.
-template <std::size_t N>
-JetOf<double> arc_nodes(const ArcFrame<double>& arc, const std::array<double, N>& x,
-                        const std::array<double, N>& y, const ArcPoint<double>& at, double s2) {
+template <std::size_t N, class T>
+JetOf<T> arc_nodes(const ArcFrame<T>& arc, const std::array<double, N>& x,
+                   const std::array<double, N>& y, const ArcPoint<T>& at, const T& s2) {
   constexpr const GaussLegendreRule<2 * N>& rule = kGaussLegendre<2 * N>;
-  const double across = 1.0 + s2 * (at.z * at.z);
-  std::array<double, N> lower, upper;
+  const T across = T(1) + s2 * (at.z * at.z);
+  std::array<T, N> lower, upper;
   for (std::size_t i = 0; i < N; ++i) {
-    const double dx = at.x - arc.radius * x[i];
-    const double up = at.y - arc.radius * y[i];
-    const double down = at.y + arc.radius * y[i];
-    upper[i] = 1.0 / (across + s2 * (dx * dx + up * up));
-    lower[i] = 1.0 / (across + s2 * (dx * dx + down * down));
+    const T dx = at.x - arc.radius * T(x[i]);
+    const T up = at.y - arc.radius * T(y[i]);
+    const T down = at.y + arc.radius * T(y[i]);
+    upper[i] = T(1) / (across + s2 * (dx * dx + up * up));
+    lower[i] = T(1) / (across + s2 * (dx * dx + down * down));
   }
-  double second = 0.0, third = 0.0, third_x = 0.0, third_y = 0.0;
+  T second(0), third(0), third_x(0), third_y(0);
   for (std::size_t i = 0; i < N; ++i) {
-    const double u2 = upper[i] * upper[i], l2 = lower[i] * lower[i];
-    const double u3 = u2 * upper[i], l3 = l2 * lower[i];
-    second += rule.weight[i] * (u2 + l2);
-    third += rule.weight[i] * (u3 + l3);
-    third_x += rule.weight[i] * ((u3 + l3) * (at.x - arc.radius * x[i]));
-    third_y += rule.weight[i] * ((u3 + l3) * at.y - (u3 - l3) * (arc.radius * y[i]));
+    const T weight(rule.weight[i]);
+    const T u2 = upper[i] * upper[i], l2 = lower[i] * lower[i];
+    const T u3 = u2 * upper[i], l3 = l2 * lower[i];
+    second += weight * (u2 + l2);
+    third += weight * (u3 + l3);
+    third_x += weight * ((u3 + l3) * (at.x - arc.radius * T(x[i])));
+    third_y += weight * ((u3 + l3) * at.y - (u3 - l3) * (arc.radius * T(y[i])));
   }
-  const double half_length = 0.5 * arc.radius * arc.sweep;
-  const double slope = -4.0 * s2 * half_length;
+  const T half_length = T(0.5) * arc.radius * arc.sweep;
+  const T slope = T(-4) * s2 * half_length;
   return {half_length * second,
           slope * (third_x * arc.ex + third_y * arc.ey + (third * at.z) * arc.normal)};
 }
@@ -194,30 +196,43 @@ JetOf<T> unit_cauchy_arc(const T& s, const ArcFrame<T>& arc, const Vec3<T>& d) {
   const T m = T(1) + s2 * (apart * apart + at.z * at.z);
   const T gap = T(4) * s2 * (arc.radius * at.rho);  // q - m
   const T q = m + gap;
+  FirstOf<T, JetOf<T>> jets;
   if constexpr (kIsDouble<T>) {
-    if (arc.sweep < kSweep8 && m > arc.far8 * gap)
-      return arc_nodes(arc, arc.node8_x, arc.node8_y, at, s2);
-    if (m > arc.far14 * gap) return arc_nodes(arc, arc.node14_x, arc.node14_y, at, s2);
+    const bool done = jets.take((arc.sweep < T(kSweep8)) & (m > arc.far8 * gap),
+                                [&] { return arc_nodes(arc, arc.node8_x, arc.node8_y, at, s2); }) ||
+                      jets.take(m > arc.far14 * gap,
+                                [&] { return arc_nodes(arc, arc.node14_x, arc.node14_y, at, s2); });
+    if (done) return jets.result();
   }
   std::array<ArcEnd<T>, 2> end = arc_ends(arc, at);
   const T v1 = m + gap * (end[0].sine * end[0].sine);
   const T v2 = m + gap * (end[1].sine * end[1].sine);
   end[0].w = T(1) / v1;
   end[1].w = T(1) / v2;
+  MaskOf<T> behind(false);
   if constexpr (kIsDouble<T>) {
     // The chord form of the pole rule, with a margin of 2.5 : 2.2 for its distortion.
-    const double reach = v1 + v2 + 2.0 * std::sqrt(v1 * v2);
-    if (arc.sweep < 1.6 && reach > 1.5625 * arc.sweep * arc.sweep * gap) {
-      return arc_nodes(arc, arc.node14_x, arc.node14_y, at, s2);
-    }
-    const double sine = end[1].sine, cosine = end[1].cosine;
-    if (sine < 0.0 && m * (cosine * cosine) <= kTailReach * (q * (sine * sine))) {
-      const ArcEnd<double> near{-sine, cosine, end[1].w};
-      const ArcEnd<double> far{-end[0].sine, end[0].cosine, end[0].w};
-      return arc_jet(arc, at, arc_tail(m, q, near, far), s2, gap, q, end[0].w, end[1].w);
-    }
+    const T reach = v1 + v2 + T(2) * sqrt(v1 * v2);
+    const bool done =
+        jets.take((arc.sweep < T(1.6)) & (reach > T(1.5625) * arc.sweep * arc.sweep * gap),
+                  [&] { return arc_nodes(arc, arc.node14_x, arc.node14_y, at, s2); });
+    if (done) return jets.result();
+    const T sine = end[1].sine, cosine = end[1].cosine;
+    behind = (sine < T(0)) & (m * (cosine * cosine) <= T(kTailReach) * (q * (sine * sine)));
   }
-  return arc_jet(arc, at, arc_closed(arc, m, q, end[0], end[1]), s2, gap, q, end[0].w, end[1].w);
+  return jets.otherwise([&] {
+    FirstOf<T, ArcPowers<T>> powers(jets.left());
+    if constexpr (kIsDouble<T>) {
+      powers.take(behind, [&] {
+        const ArcEnd<T> near{-end[1].sine, end[1].cosine, end[1].w};
+        const ArcEnd<T> far{-end[0].sine, end[0].cosine, end[0].w};
+        return arc_tail(m, q, near, far);
+      });
+    }
+    const ArcPowers<T> all =
+        powers.otherwise([&] { return arc_closed(arc, m, q, end[0], end[1]); });
+    return arc_jet(arc, at, all, s2, gap, q, end[0].w, end[1].w);
+  });
 }
 
 }  // namespace detail
@@ -226,8 +241,10 @@ JetOf<T> unit_cauchy_arc(const T& s, const ArcFrame<T>& arc, const Vec3<T>& d) {
 template <class T>
 JetOf<T> integral(const Cauchy& kernel, const ArcFrame<T>& arc, const Vec3<T>& point) {
   const Vec3<T> d = point - arc.center;
-  if (!(squared_norm(d) < T(kFarSquared))) return {};
-  return T(kernel.amplitude) * detail::unit_cauchy_arc(T(kernel.s), arc, d);
+  const auto near = squared_norm(d) < T(kFarSquared);
+  if (!any(near)) return {};
+  const JetOf<T> unit = detail::unit_cauchy_arc(T(kernel.s), arc, d);
+  return select(near, T(kernel.amplitude) * unit, JetOf<T>{});
 }
 
 template <class T>

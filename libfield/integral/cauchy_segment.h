@@ -25,6 +25,7 @@
 #include "libfield/integral/frames.h"
 #include "libfield/integral/special.h"
 #include "libfield/kernel/cauchy.h"
+#include "libfield/simd/vmath.h"
 
 namespace cs2mesh {
 namespace detail {
@@ -33,6 +34,12 @@ namespace detail {
 template <class T>
 struct CauchyLine {
   T j1{}, j2{}, j3{}, drop{};
+
+  /// The Jk alone.
+  friend CauchyLine select(const MaskOf<T>& mask, const CauchyLine& yes, const CauchyLine& no) {
+    return {
+        select(mask, yes.j1, no.j1), select(mask, yes.j2, no.j2), select(mask, yes.j3, no.j3), {}};
+  }
 };
 
 inline constexpr double kTailReach = 0.49;  ///< greatest P / (s t)^2 of chi's polynomial
@@ -41,97 +48,104 @@ inline constexpr std::array<double, 18> kTailPowers = {
 };
 
 /// chi(y) = int_0^1 u^4 / (1 + y u^2)^3 du for 0 <= y <= kTailReach.
-inline double cauchy_tail(double y) {
-  return polynomial(kTailPowers, y * (2.0 / kTailReach) - 1.0);
+template <class T>
+T cauchy_tail(const T& y) {
+  return polynomial(kTailPowers, T(y * T(2.0 / kTailReach) - T(1)));
 }
 
-template <int N>
-void add_cauchy_nodes(double s2, double t1, double length, double p, CauchyLine<double>& sums) {
+/// Gauss-Legendre over the whole stretch.
+template <std::size_t N, class T>
+CauchyLine<T> cauchy_line_nodes(const T& s2, const T& t1, const T& length, const T& p) {
   constexpr const UnitRule<N>& rule = kUnitRule<N>;
-  // Separate loops: the divisions are independent and run two or more at a time.
-  std::array<double, N> w;
+  // Separate loops: the divisions are independent and overlap.
+  std::array<T, N> w;
   for (std::size_t i = 0; i < N; ++i) {
-    const double t = t1 + length * rule.node[i];
-    w[i] = 1.0 / (p + s2 * (t * t));
+    const T t = t1 + length * T(rule.node[i]);
+    w[i] = T(1) / (p + s2 * (t * t));
   }
-  std::array<double, 2> j1{}, j2{}, j3{};
+  std::array<T, 2> j1{}, j2{}, j3{};
   for (std::size_t i = 0; i < N; i += 2) {
-    for (std::size_t lane = 0; lane < 2; ++lane) {
-      const double first = rule.weight[i + lane] * w[i + lane];
-      const double second = first * w[i + lane];
-      j1[lane] += first;
-      j2[lane] += second;
-      j3[lane] += second * w[i + lane];
+    for (std::size_t chain = 0; chain < 2; ++chain) {
+      const T first = T(rule.weight[i + chain]) * w[i + chain];
+      const T second = first * w[i + chain];
+      j1[chain] += first;
+      j2[chain] += second;
+      j3[chain] += second * w[i + chain];
     }
   }
-  sums.j1 = length * (j1[0] + j1[1]);
-  sums.j2 = length * (j2[0] + j2[1]);
-  sums.j3 = length * (j3[0] + j3[1]);
+  return {length * (j1[0] + j1[1]), length * (j2[0] + j2[1]), length * (j3[0] + j3[1]), {}};
 }
 
 /// The closed form: positive terms as long as the foot is on the stretch.
 template <class T>
-void cauchy_line_closed(const T& s, const T& t1, const T& t2, const T& length, const T& p,
-                        const T& w1, const T& w2, CauchyLine<T>& out) {
-  using std::atan2;
+CauchyLine<T> cauchy_line_closed(const T& s, const T& t1, const T& t2, const T& length, const T& p,
+                                 const T& w1, const T& w2) {
   using std::sqrt;
+  CauchyLine<T> out;
   const T product = s * t1 * (s * t2);
   const T root = s * sqrt(p);
   const T half = T(0.5) / p;
-  out.j1 = atan2(T(root * length), T(p + product)) / root;
+  out.j1 = vmath::atan2(T(root * length), T(p + product)) / root;
   out.j2 = (out.j1 + length * (p - product) * (w1 * w2)) * half;
   out.j3 = (T(3) * out.j2 + (t2 * (w2 * w2) - t1 * (w1 * w1))) * (T(0.5) * half);
+  return out;
 }
 
 /// The foot lies outside, `near` and `far` away from the ends, (s near)^2 >= P / kTailReach.
-inline void cauchy_line_tail(double s, double near, double far, double p, double w_near,
-                             double w_far, CauchyLine<double>& out) {
-  const double in = 1.0 / (s * near);
-  const double in2 = in * in;
-  const double jn = cauchy_tail(p * in2) * (in2 * in2 * in);
-  const double jf_arg = 1.0 / (s * far);
-  const double if2 = jf_arg * jf_arg;
-  const double jf = cauchy_tail(p * if2) * (if2 * if2 * jf_arg);
-  const double an = near * w_near;
-  const double af = far * w_far;
+template <class T>
+CauchyLine<T> cauchy_line_tail(const T& s, const T& near, const T& far, const T& p, const T& w_near,
+                               const T& w_far) {
+  CauchyLine<T> out;
+  const T in = T(1) / (s * near);
+  const T in2 = in * in;
+  const T jn = cauchy_tail(p * in2) * (in2 * in2 * in);
+  const T jf_arg = T(1) / (s * far);
+  const T if2 = jf_arg * jf_arg;
+  const T jf = cauchy_tail(p * if2) * (if2 * if2 * jf_arg);
+  const T an = near * w_near;
+  const T af = far * w_far;
   out.j3 = (jn - jf) / s;
-  out.j2 = ((an * w_near - af * w_far) + 4.0 * p * out.j3) * (1.0 / 3.0);
-  out.j1 = (an - af) + 2.0 * p * out.j2;
+  out.j2 = ((an * w_near - af * w_far) + T(4) * p * out.j3) * T(1.0 / 3.0);
+  out.j1 = (an - af) + T(2) * p * out.j2;
+  return out;
 }
 
 /// Integrals over t1 <= t <= t2 = t1 + length at squared distance c2 from the line.
 template <class T>
 CauchyLine<T> cauchy_line(const T& s, const T& t1, const T& t2, const T& length, const T& c2) {
+  using std::abs;
+  using std::max;
+  using std::min;
+  using std::sqrt;
   const T s2 = s * s;
   const T p = T(1) + s2 * c2;
   const T v1 = p + s2 * (t1 * t1);
   const T v2 = p + s2 * (t2 * t2);
   const T w1 = T(1) / v1;
   const T w2 = T(1) / v2;
+  const auto closed = [&] { return cauchy_line_closed(s, t1, t2, length, p, w1, w2); };
   CauchyLine<T> out;
-  out.drop = s2 * (length * (t1 + t2)) * (w1 * w2) * (w1 + w2);
   if constexpr (kIsDouble<T>) {
-    const double reach = v1 + v2 + 2.0 * std::sqrt(v1 * v2);
-    const double scale = s2 * (length * length);
-    if (reach > kReach14 * kReach14 * scale) {
-      if (reach > kReach4 * kReach4 * scale) {
-        add_cauchy_nodes<4>(s2, t1, length, p, out);
-      } else if (reach > kReach8 * kReach8 * scale) {
-        add_cauchy_nodes<8>(s2, t1, length, p, out);
-      } else {
-        add_cauchy_nodes<14>(s2, t1, length, p, out);
-      }
-      return out;
-    }
-    const double near = std::min(std::abs(t1), std::abs(t2));
-    if ((t1 > 0.0) == (t2 > 0.0) && kTailReach * s2 * (near * near) >= p) {
-      const bool first = t1 > 0.0;
-      cauchy_line_tail(s, near, std::max(std::abs(t1), std::abs(t2)), p, first ? w1 : w2,
-                       first ? w2 : w1, out);
-      return out;
-    }
+    const T reach = v1 + v2 + T(2) * sqrt(v1 * v2);
+    const T scale = s2 * (length * length);
+    const T near = min(abs(t1), abs(t2)), far = max(abs(t1), abs(t2));
+    const auto first = t1 > T(0);
+    const auto outside = !(first ^ (t2 > T(0)));
+    FirstOf<T, CauchyLine<T>> lines;
+    const bool done = lines.take(reach > T(kReach4 * kReach4) * scale, [&] {
+      return cauchy_line_nodes<4>(s2, t1, length, p);
+    }) || lines.take(reach > T(kReach8 * kReach8) * scale, [&] {
+      return cauchy_line_nodes<8>(s2, t1, length, p);
+    }) || lines.take(reach > T(kReach14 * kReach14) * scale, [&] {
+      return cauchy_line_nodes<14>(s2, t1, length, p);
+    }) || lines.take(outside & (T(kTailReach) * s2 * (near * near) >= p), [&] {
+      return cauchy_line_tail(s, near, far, p, select(first, w1, w2), select(first, w2, w1));
+    });
+    out = done ? lines.result() : lines.otherwise(closed);
+  } else {
+    out = closed();
   }
-  cauchy_line_closed(s, t1, t2, length, p, w1, w2, out);
+  out.drop = s2 * (length * (t1 + t2)) * (w1 * w2) * (w1 + w2);
   return out;
 }
 
@@ -143,17 +157,20 @@ JetOf<T> integral(const Cauchy& kernel, const SegmentFrame<T>& segment, const Ve
   using std::abs;
   const Vec3<T> da = point - segment.a;
   const Vec3<T> db = point - segment.b;
-  if (!(squared_norm(da) < T(kFarSquared))) return {};
+  const auto near = squared_norm(da) < T(kFarSquared);
+  if (!any(near)) return {};
   const T t1 = -dot(da, segment.axis);
   const T t2 = -dot(db, segment.axis);
   // From the nearer end: its difference carries the smaller rounding error.
-  const Vec3<T> perp = abs(t1) < abs(t2) ? da + t1 * segment.axis : db + t2 * segment.axis;
+  const auto first = abs(t1) < abs(t2);
+  const Vec3<T> perp = select(first, da, db) + select(first, t1, t2) * segment.axis;
   const T s(kernel.s);
   const T amplitude(kernel.amplitude);
   const detail::CauchyLine<T> line =
-      detail::cauchy_line(s, t1, t2, segment.length, squared_norm(perp));
-  return {amplitude * line.j2,
-          (T(-4) * amplitude * (s * s) * line.j3) * perp + (amplitude * line.drop) * segment.axis};
+      detail::cauchy_line(s, t1, t2, segment.length, T(squared_norm(perp)));
+  const JetOf<T> jet{amplitude * line.j2, (T(-4) * amplitude * (s * s) * line.j3) * perp +
+                                              (amplitude * line.drop) * segment.axis};
+  return select(near, jet, JetOf<T>{});
 }
 
 template <class T>

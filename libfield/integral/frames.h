@@ -8,20 +8,15 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <type_traits>
 
 #include "libfield/base/vec.h"
 #include "libfield/integral/gauss_legendre.h"
 #include "libfield/primitive/arc.h"
 #include "libfield/primitive/segment.h"
 #include "libfield/primitive/triangle.h"
+#include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
-
-/// Number types as wide as double switch to quadrature where a closed form cancels; wider ones
-/// have the digits to spare and use the closed form alone.
-template <class T>
-inline constexpr bool kIsDouble = std::is_same_v<T, double>;
 
 /// Squared distances from which a kernel of any usable width has vanished.
 inline constexpr double kFarSquared = 1e280;
@@ -48,6 +43,10 @@ struct SegmentFrame {
     axis = unit_or_zero(b - a);
     length = dot(b - a, axis);
   }
+  /// The same frame in another number type.
+  template <class U>
+  explicit SegmentFrame(const SegmentFrame<U>& f)
+      : a(f.a), b(f.b), axis(f.axis), length(f.length) {}
 };
 
 template <class T>
@@ -81,6 +80,24 @@ struct ArcFrame {
     far14 = squared_sinh(0.25 * kReach14 * arc.sweep);
     far8 = squared_sinh(0.25 * kReach8 * arc.sweep);
   }
+  /// The same frame in another number type.
+  template <class U>
+  explicit ArcFrame(const ArcFrame<U>& f)
+      : center(f.center),
+        ex(f.ex),
+        ey(f.ey),
+        normal(f.normal),
+        radius(f.radius),
+        sweep(f.sweep),
+        cos_quarter(f.cos_quarter),
+        sin_quarter(f.sin_quarter),
+        sin_half(f.sin_half),
+        node14_x(f.node14_x),
+        node14_y(f.node14_y),
+        node8_x(f.node8_x),
+        node8_y(f.node8_y),
+        far14(f.far14),
+        far8(f.far8) {}
 
  private:
   template <std::size_t N>

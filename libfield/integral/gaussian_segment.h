@@ -32,12 +32,13 @@ namespace detail {
 inline constexpr double kFlatDelta = 0.35;
 
 /// int_0^1 exp(-(b x + q x^2)) dx for |b x + q x^2| <= kFlatDelta on [0, 1].
-inline double flat_gaussian(double b, double q) {
+template <class T>
+T flat_gaussian(const T& b, const T& q) {
   constexpr const UnitRule<8>& rule = kUnitRule<8>;
-  std::array<double, 8> y, e;
+  std::array<T, 8> y, e;
   for (std::size_t i = 0; i < 8; ++i) {
-    y[i] = -(b + q * rule.node[i]) * rule.node[i];
-    e[i] = 1.0 / 6227020800.0;
+    y[i] = -(b + q * T(rule.node[i])) * T(rule.node[i]);
+    e[i] = T(1.0 / 6227020800.0);
   }
   // Taylor to degree 13: the next term is below 5e-18.
   constexpr std::array<double, 13> kInverseFactorial = {1.0 / 479001600.0,
@@ -54,35 +55,39 @@ inline double flat_gaussian(double b, double q) {
                                                         1.0,
                                                         1.0};
   for (const double c : kInverseFactorial) {
-    for (std::size_t i = 0; i < 8; ++i) e[i] = e[i] * y[i] + c;
+    for (std::size_t i = 0; i < 8; ++i) e[i] = e[i] * y[i] + T(c);
   }
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 4; ++i) sum += rule.weight[i] * (e[i] + e[7 - i]);
+  T sum(0);
+  for (std::size_t i = 0; i < 4; ++i) sum += T(rule.weight[i]) * (e[i] + e[7 - i]);
   return sum;
 }
 
 /// exp, with the exponent cut off.
 template <class T>
 T bounded_exp(const T& exponent) {
-  using std::exp;
   const T greatest(Gaussian::kGreatestExponent);
-  return exp(exponent < greatest ? exponent : greatest);
+  return vmath::exp(select(exponent < greatest, exponent, greatest));
 }
 
 /// The integral over t1 <= t <= t2 = t1 + length at squared distance c2, and h(r1) - h(r2).
 template <class T>
 struct GaussianLine {
   T value{}, drop{};
+
+  friend GaussianLine select(const MaskOf<T>& mask, const GaussianLine& yes,
+                             const GaussianLine& no) {
+    return {select(mask, yes.value, no.value), select(mask, yes.drop, no.drop)};
+  }
 };
 
-/// Any number type: the closed form with digits to spare.
+/// Wide number types: the closed form with digits to spare.
 template <class T>
-GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1, const T& t2, const T& /*length*/,
-                              const T& c2) {
+requires(!kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1,
+                                                      const T& t2, const T& /*length*/,
+                                                      const T& c2) {
   using std::acos;
   using std::erf;
   using std::erfc;
-  using std::expm1;
   using std::sqrt;
   const T a(kernel.a);
   const T across = T(kernel.log_amplitude) - a * a * c2;
@@ -92,53 +97,56 @@ GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1, const T& t2, 
                                 : T(erf(x2) - erf(x1));
   const T half_root_pi = sqrt(acos(T(-1))) / T(2);
   return {half_root_pi / a * bounded_exp(across) * between,
-          bounded_exp(T(across - x1 * x1)) * -expm1(T(x1 * x1 - x2 * x2))};
+          bounded_exp(T(across - x1 * x1)) * -vmath::expm1(T(x1 * x1 - x2 * x2))};
 }
 
 inline constexpr double kHalfRootPi = 0.5 / std::numbers::inv_sqrtpi;
 /// Fields below exp of this count as 0: on the way to the smallest double, arithmetic is slow.
 inline constexpr double kLeastExponent = -700.0;
 
-/// 1 - exp(-delta).
-inline double fall_over(double delta) {
-  return delta > 1.0 ? 1.0 - std::exp(-delta) : -std::expm1(-delta);
+/// erf(near) + erf(far) with exp(-near^2) and exp(near^2 - far^2) given; near <= far.
+template <class T>
+T erf_sum(const T& near, const T& far, const T& at_near, const T& tail) {
+  // Below 1 the sum of erfcx would cancel.
+  FirstOf<T, T> sums;
+  sums.take(far < T(1), [&] { return small_erf(near) + small_erf(far); });
+  return sums.otherwise([&] { return T(2) - at_near * (erfcx(near) + tail * erfcx(far)); });
 }
 
-/// erf(near) + erf(far) with exp(-near^2) and 1 - exp(near^2 - far^2) given; near <= far.
-inline double erf_sum(double near, double far, double at_near, double fall) {
-  // Two erfcx share their latency, two erf do not; below 1 their sum would cancel.
-  if (far < 1.0) return std::erf(near) + std::erf(far);
-  return 2.0 - at_near * (erfcx(near) + (1.0 - fall) * erfcx(far));
-}
-
-inline GaussianLine<double> gaussian_line(const Gaussian& kernel, double t1, double t2,
-                                          double length, double c2) {
-  const double a = kernel.a;
-  const double a2 = a * a;
-  const double sum = t1 + t2;
-  const double near = a * std::min(std::abs(t1), std::abs(t2));
-  const double far = a * std::max(std::abs(t1), std::abs(t2));
-  const double across = kernel.log_amplitude - a2 * c2;
-  const bool on_segment = (t1 > 0.0) != (t2 > 0.0);
-  const double exponent = on_segment ? across : across - near * near;
-  if (!(exponent > kLeastExponent)) return {};
-  const double delta = a2 * (length * std::abs(sum));
-  const double fall = fall_over(delta);
-  const double top = bounded_exp(exponent);
-  const double below_top = on_segment ? std::exp(-near * near) : 1.0;
-  const double at_near = top * below_top;
-  const double q = a2 * (length * length);
-  GaussianLine<double> out;
-  out.drop = std::copysign(at_near * fall, sum);
-  if ((on_segment ? q : delta) <= kFlatDelta) {
-    const double b = 2.0 * near * (a * length);
-    out.value = length * at_near * flat_gaussian(on_segment ? -b : b, q);
-  } else if (on_segment) {
-    out.value = kHalfRootPi / a * top * erf_sum(near, far, below_top, fall);
-  } else {
-    out.value = kHalfRootPi / a * top * (erfcx(near) - (1.0 - fall) * erfcx(far));
-  }
-  return out;
+template <class T>
+requires(kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, const T& t1,
+                                                     const T& t2, const T& length, const T& c2) {
+  using std::abs;
+  using std::copysign;
+  using std::max;
+  using std::min;
+  const T a(kernel.a);
+  const T a2 = a * a;
+  const T sum = t1 + t2;
+  const T near = a * min(abs(t1), abs(t2));
+  const T far = a * max(abs(t1), abs(t2));
+  const T across = T(kernel.log_amplitude) - a2 * c2;
+  const auto on_segment = MaskOf<T>((t1 > T(0)) ^ (t2 > T(0)));
+  const T exponent = select(on_segment, across, T(across - near * near));
+  const auto alive = exponent > T(kLeastExponent);
+  if (!any(alive)) return {};
+  const T delta = a2 * (length * abs(sum));
+  const T fall = -vmath::expm1(T(-delta));
+  const T top = bounded_exp(exponent);
+  const T below_top =
+      any(on_segment) ? select(on_segment, vmath::exp(T(-near * near)), T(1)) : T(1);
+  const T at_near = top * below_top;
+  const T q = a2 * (length * length);
+  const T scale = T(kHalfRootPi) / a * top;
+  FirstOf<T, T> values(alive);
+  values.take(select(on_segment, q, delta) <= T(kFlatDelta), [&] {
+    const T b = T(2) * near * (a * length);
+    return length * at_near * flat_gaussian(select(on_segment, -b, b), q);
+  });
+  values.take(on_segment, [&] { return scale * erf_sum(near, far, below_top, T(1) - fall); });
+  const T value =
+      values.otherwise([&] { return scale * (erfcx(near) - (T(1) - fall) * erfcx(far)); });
+  return select(alive, GaussianLine<T>{value, copysign(at_near * fall, sum)}, GaussianLine<T>{});
 }
 
 }  // namespace detail
@@ -149,15 +157,18 @@ JetOf<T> integral(const Gaussian& kernel, const SegmentFrame<T>& segment, const 
   using std::abs;
   const Vec3<T> da = point - segment.a;
   const Vec3<T> db = point - segment.b;
-  if (!(squared_norm(da) < T(kFarSquared))) return {};
+  const auto close = squared_norm(da) < T(kFarSquared);
+  if (!any(close)) return {};
   const T t1 = -dot(da, segment.axis);
   const T t2 = -dot(db, segment.axis);
   // From the nearer end: its difference carries the smaller rounding error.
-  const Vec3<T> perp = abs(t1) < abs(t2) ? da + t1 * segment.axis : db + t2 * segment.axis;
+  const auto first = abs(t1) < abs(t2);
+  const Vec3<T> perp = select(first, da, db) + select(first, t1, t2) * segment.axis;
   const T a(kernel.a);
   const detail::GaussianLine<T> line =
-      detail::gaussian_line(kernel, t1, t2, segment.length, squared_norm(perp));
-  return {line.value, (T(-2) * (a * a) * line.value) * perp + line.drop * segment.axis};
+      detail::gaussian_line(kernel, t1, t2, segment.length, T(squared_norm(perp)));
+  const JetOf<T> jet{line.value, (T(-2) * (a * a) * line.value) * perp + line.drop * segment.axis};
+  return select(close, jet, JetOf<T>{});
 }
 
 template <class T>

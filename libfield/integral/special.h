@@ -7,12 +7,12 @@
 namespace cs2mesh {
 
 /// The polynomial sum of c[k] z^k by two interleaved Horner chains: half the latency of one.
-template <std::size_t N>
-constexpr double polynomial(const std::array<double, N>& c, double z) {
+template <class T, std::size_t N>
+constexpr T polynomial(const std::array<double, N>& c, const T& z) {
   static_assert(N % 2 == 0 && N >= 2);
-  const double z2 = z * z;
-  double even = c[N - 2];
-  double odd = c[N - 1];
+  const T z2 = z * z;
+  T even(c[N - 2]);
+  T odd(c[N - 1]);
   for (std::size_t k = N - 2; k >= 2; k -= 2) {
     even = even * z2 + c[k - 2];
     odd = odd * z2 + c[k - 1];
@@ -24,15 +24,25 @@ namespace detail {
 inline constexpr std::array<double, 26> kErfcxPowers = {
 #include "libfield/integral/erfcx_table.inc"
 };
+inline constexpr std::array<double, 14> kSmallErf = {
+#include "libfield/integral/small_erf_table.inc"
+};
 }  // namespace detail
+
+/// erf(x) for 0 <= x <= 1, within 2 ulp.
+template <class T>
+T small_erf(const T& x) {
+  return x + x * polynomial(detail::kSmallErf, T(x * x));
+}
 
 /// The scaled complementary error function exp(x^2) erfc(x) for x >= 0, within 7e-16 of its size;
 /// finite up to the greatest double. (1 + 2x) erfcx(x) varies by an eighth over the whole half
 /// line, which t = (x - 3) / (x + 3) maps to [-1, 1], where a polynomial of degree 25 suffices
 /// (Shepherd and Laframboise 1981).
-inline double erfcx(double x) {
-  const double t = 1.0 - 6.0 / (x + 3.0);
-  return polynomial(detail::kErfcxPowers, t) / (1.0 + 2.0 * x);
+template <class T>
+T erfcx(const T& x) {
+  const T t = T(1) - T(6) / (x + T(3));
+  return polynomial(detail::kErfcxPowers, t) / (T(1) + T(2) * x);
 }
 
 }  // namespace cs2mesh

@@ -11,6 +11,7 @@
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/simd/vmath.h"
 
 namespace cs2mesh {
 
@@ -23,9 +24,8 @@ struct Gaussian {
   /// h as a function of the squared distance.
   template <class T>
   T profile(const T& u) const {
-    using std::exp;
     const T exponent = T(log_amplitude) - T(a) * T(a) * u;
-    return exp(exponent < T(kGreatestExponent) ? exponent : T(kGreatestExponent));
+    return vmath::exp(select(exponent < T(kGreatestExponent), exponent, T(kGreatestExponent)));
   }
   /// dh/du.
   template <class T>

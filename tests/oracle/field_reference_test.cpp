@@ -16,6 +16,7 @@
 #include "libfield/kernel/kernel.h"
 #include "libfield/primitive/primitive.h"
 #include "tests/oracle/reference.h"
+#include "tests/unit/simd/every_isa.h"
 
 namespace cs2mesh {
 namespace {
@@ -95,7 +96,7 @@ Kernel kernel_of(const Row& row) {
   return Quartic{row.parameter};
 }
 
-/// The field; not a number where it is infinite, of which there is no row.
+/// The field of one primitive alone; not a number where it is infinite, of which there is no row.
 template <class K, class P>
 Jet evaluate(const K& kernel, const P& primitive, const Vec3d& point) {
   if constexpr (kDiverges<K, P>) {
@@ -118,7 +119,9 @@ struct Cell {
   Worst value, gradient;
 };
 
-TEST(FieldReference, EveryRowIsExactForInputsMovedByAFewUlp) {
+/// evaluate_row(kernel, primitive, point) against every row.
+template <class Evaluate>
+void expect_exact_rows(const Evaluate& evaluate_row) {
   const std::string path = reference::shared_folder() + "/reference/field_public.csv";
   const auto table = reference::read_csv(path);
   ASSERT_FALSE(table.empty()) << "no references in " << path;
@@ -129,9 +132,7 @@ TEST(FieldReference, EveryRowIsExactForInputsMovedByAFewUlp) {
     if (const auto* triangle = std::get_if<Triangle>(&primitive)) {
       row.exact.condition = slenderness(*triangle);
     }
-    const Jet jet = std::visit(
-        [&](const auto& kernel, const auto& shape) { return evaluate(kernel, shape, row.point); },
-        kernel_of(row), primitive);
+    const Jet jet = evaluate_row(kernel_of(row), primitive, row.point);
     const reference::BackwardError error = reference::backward_error(jet, row.exact);
     Cell& cell = cells[{row.kernel, row.primitive}];
     ++cell.rows;
@@ -151,6 +152,22 @@ TEST(FieldReference, EveryRowIsExactForInputsMovedByAFewUlp) {
                 cell.value.tag.c_str(), cell.gradient.error, cell.gradient.id.c_str(),
                 cell.gradient.tag.c_str());
   }
+}
+
+TEST(FieldReference, EveryRowIsExactForInputsMovedByAFewUlp) {
+  expect_exact_rows([](const Kernel& kernel, const Primitive& primitive, const Vec3d& point) {
+    return std::visit([&](const auto& k, const auto& p) { return evaluate(k, p, point); }, kernel,
+                      primitive);
+  });
+}
+
+TEST(FieldReference, EveryRowIsExactAsATermWithEveryInstructionSet) {
+  testing::with_every_isa([](Isa isa) {
+    std::printf("%s\n", std::string(name_of(isa)).c_str());
+    expect_exact_rows([](const Kernel& kernel, const Primitive& primitive, const Vec3d& point) {
+      return testing::accumulated(testing::plain_term(kernel, primitive), point);
+    });
+  });
 }
 
 }  // namespace

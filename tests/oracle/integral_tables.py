@@ -6,11 +6,14 @@
 gauss_legendre_table.inc  nodes and weights of Gauss-Legendre rules of even order on [-1, 1];
 erfcx_table.inc           powers of t of (1 + 2x) erfcx(x), t = (x - 3) / (x + 3), x >= 0;
 cauchy_tail_table.inc     powers of z of the integral of u^4 / (1 + y u^2)^3 over u in [0, 1],
-                          y = 0.245 (1 + z) in [0, 0.49].
+                          y = 0.245 (1 + z) in [0, 0.49];
+small_erf_table.inc       powers of w of erf(z) / z - 1, w = z^2 in [0, 1];
+arctan_table.inc          powers of w of (arctan(z) / z - 1) / w, w = z^2, 0 <= z <= 35/64.
 """
 import sys
 
-from mpmath import (cos, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad, sqrt)
+from mpmath import (atan, cos, erf, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad,
+                    sqrt)
 
 mp.dps = 60
 HEAD = "// Written by tests/oracle/integral_tables.py.\n"
@@ -39,6 +42,22 @@ def powers(chebyshev):
         shifted = [mpf(0)] + current[:-1]
         previous, current = current, [2 * s - p for s, p in zip(shifted, previous)]
     return total
+
+
+def stretched(polynomial, scale, shift):
+    """p(scale w + shift) by powers of w."""
+    total = [mpf(0)] * len(polynomial)
+    for c in reversed(polynomial):
+        shifted = [mpf(0)] + total[:-1]
+        total = [shift * t + scale * s for t, s in zip(total, shifted)]
+        total[0] += c
+    return total
+
+
+def powers_from_zero(f, end, degree):
+    """The polynomial close to f over [0, end]."""
+    on_unit = lambda t: f(end * (1 + t) / 2)
+    return stretched(powers(chebyshev_coefficients(on_unit, degree)), 2 / end, mpf(-1))
 
 
 def erfcx(x):
@@ -78,6 +97,10 @@ def main(folder):
     y_max = mpf("0.49")
     tail = lambda z: quad(lambda u: u**4 / (1 + y_max * (1 + z) / 2 * u * u) ** 3, [0, 0.5, 1])
     write_list(f"{folder}/cauchy_tail_table.inc", powers(chebyshev_coefficients(tail, 17)))
+    small_erf = lambda w: erf(sqrt(w)) / sqrt(w) - 1
+    write_list(f"{folder}/small_erf_table.inc", powers_from_zero(small_erf, mpf(1), 13))
+    arctan = lambda w: (atan(sqrt(w)) / sqrt(w) - 1) / w
+    write_list(f"{folder}/arctan_table.inc", powers_from_zero(arctan, (mpf(35) / 64)**2, 13))
 
 
 if __name__ == "__main__":

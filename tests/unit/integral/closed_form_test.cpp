@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <limits>
 #include <numbers>
+#include <string>
 
 #include "libfield/base/random.h"
 #include "libfield/integral/cauchy_arc.h"
@@ -17,6 +18,7 @@
 #include "libfield/integral/gaussian_segment.h"
 #include "tests/unit/integral/cases.h"
 #include "tests/unit/integral/wide.h"
+#include "tests/unit/simd/every_isa.h"
 
 namespace cs2mesh {
 namespace {
@@ -28,23 +30,36 @@ using cases::TriangleCase;
 constexpr double kLimit = 16.0;
 constexpr int kConfigurations = 600;
 
+struct Worst {
+  double value = 0.0, gradient = 0.0;
+
+  void include(const Jet& jet, const reference::Exact& exact) {
+    const reference::BackwardError error = reference::backward_error(jet, exact);
+    EXPECT_LE(error.value, kLimit);
+    EXPECT_LE(error.gradient, kLimit);
+    value = std::max(value, error.value);
+    gradient = std::max(gradient, error.gradient);
+  }
+};
+
+/// One point at a time, and in packs with every instruction set.
 template <class Case, class MakeKernel>
 void expect_exact(const char* name, const MakeKernel& make_kernel) {
-  double worst_value = 0.0, worst_gradient = 0.0;
+  Worst plain, packed;
   for (int i = 0; i < kConfigurations; ++i) {
     Random random(7, static_cast<std::uint64_t>(i));
     Case sample(random);
     const auto kernel = make_kernel(sample);
-    const Jet jet = integral(kernel, sample.primitive, sample.point);
     const reference::Exact exact =
         wide::exact_field(kernel, sample.primitive, sample.point, sample.scale, sample.condition);
-    const reference::BackwardError error = reference::backward_error(jet, exact);
-    EXPECT_LE(error.value, kLimit) << name << ", configuration " << i;
-    EXPECT_LE(error.gradient, kLimit) << name << ", configuration " << i;
-    worst_value = std::max(worst_value, error.value);
-    worst_gradient = std::max(worst_gradient, error.gradient);
+    SCOPED_TRACE(std::string(name) + ", configuration " + std::to_string(i));
+    plain.include(integral(kernel, sample.primitive, sample.point), exact);
+    const Term term = testing::plain_term(kernel, sample.primitive);
+    testing::with_every_isa(
+        [&](Isa) { packed.include(testing::accumulated(term, sample.point), exact); });
   }
-  std::printf("%s: worst value %.2f, gradient %.2f ulp\n", name, worst_value, worst_gradient);
+  std::printf("%s: worst value %.2f, gradient %.2f ulp; in packs %.2f, %.2f\n", name, plain.value,
+              plain.gradient, packed.value, packed.gradient);
 }
 
 TEST(ClosedForm, CauchySegmentIsExactForInputsMovedByAFewUlp) {
@@ -87,10 +102,14 @@ TEST(ClosedForm, GradientsAreThoseOfTheValues) {
 
 template <class Kernel, class Primitive>
 void expect_finite(const Kernel& kernel, const Primitive& primitive, const Vec3d& point) {
-  const Jet jet = integral(kernel, primitive, point);
-  EXPECT_TRUE(std::isfinite(jet.value) && is_finite(jet.gradient))
-      << point.x << ", " << point.y << ", " << point.z;
-  EXPECT_GE(jet.value, 0.0);
+  const auto check = [&](const Jet& jet) {
+    EXPECT_TRUE(std::isfinite(jet.value) && is_finite(jet.gradient))
+        << point.x << ", " << point.y << ", " << point.z;
+    EXPECT_GE(jet.value, 0.0);
+  };
+  check(integral(kernel, primitive, point));
+  const Term term = testing::plain_term(kernel, primitive);
+  testing::with_every_isa([&](Isa) { check(testing::accumulated(term, point)); });
 }
 
 TEST(ClosedForm, FiniteForEveryFinitePoint) {

@@ -1,0 +1,113 @@
+// Elementary functions of doubles and packs, each within 2 ulp, the same bits one at a time, in
+// packs and on every machine. (The C library's differ between machines.) Wider number types go to
+// functions of their own library.
+//
+// Legend: k the power of two taken out of an exponential, r the rest, |r| <= ln 2 / 2.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "libfield/integral/special.h"
+#include "libfield/simd/lanes.h"
+
+namespace cs2mesh::vmath {
+namespace detail {
+
+inline constexpr double kLog2E = 0x1.71547652b82fep0;
+/// ln 2 in two parts; products of the first with k are exact.
+inline constexpr double kLn2High = 0x1.62e42feep-1, kLn2Low = 0x1.a39ef35793c76p-33;
+/// 1 / (k + 2)!; what follows is below 2e-17 of exp(r) - 1.
+inline constexpr std::array<double, 12> kExponential = {
+    1.0 / 2,     1.0 / 6,      1.0 / 24,      1.0 / 120,      1.0 / 720,       1.0 / 5040,
+    1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
+inline constexpr std::array<double, 14> kArctan = {
+#include "libfield/integral/arctan_table.inc"
+};
+/// pi / 4 in two parts; products of the first with 2, 3, 4 are exact.
+inline constexpr double kQuarterPiHigh = 0x1.921fb54442d00p-1,
+                        kQuarterPiLow = 0x1.8469898cc5170p-49;
+/// Just above tan(1 / 2): what is added to pi / 4 stays below its last places.
+inline constexpr double kMiddle = 35.0 / 64.0;
+
+/// exp(x) = 2^k (1 + rest).
+template <class T>
+struct Exponential {
+  T k, rest;
+
+  explicit Exponential(const T& x) {
+    k = (x * T(kLog2E) + T(kRounder)) - T(kRounder);
+    const T r = (x - k * T(kLn2High)) - k * T(kLn2Low);
+    rest = r + r * r * polynomial(kExponential, r);
+  }
+};
+
+/// arctan(z), |z| <= kMiddle.
+template <class T>
+T small_arctan(const T& z) {
+  const T w = z * z;
+  return z + z * (w * polynomial(kArctan, w));
+}
+
+}  // namespace detail
+
+/// e^x; within 1 ulp where that is no subnormal number.
+template <class T>
+T exp(const T& x) {
+  if constexpr (kIsDouble<T>) {
+    using std::max;
+    using std::min;
+    const detail::Exponential<T> e(max(min(x, T(720)), T(-760)));
+    // In two steps: 2^k itself may be out of range.
+    const T half = (T(0.5) * e.k + T(kRounder)) - T(kRounder);
+    return (T(1) + e.rest) * power_of_two(half) * power_of_two(T(e.k - half));
+  } else {
+    using std::exp;
+    return exp(x);
+  }
+}
+
+/// e^x - 1 for x <= 700, within 2 ulp.
+template <class T>
+T expm1(const T& x) {
+  if constexpr (kIsDouble<T>) {
+    using std::max;
+    const detail::Exponential<T> e(max(x, T(-60)));
+    const T power = power_of_two(e.k);
+    return power * e.rest + (power - T(1));
+  } else {
+    using std::expm1;
+    return expm1(x);
+  }
+}
+
+/// The angle of (x, y) in [-pi, pi], within 2 ulp; x and y finite and not both 0. A zero counts as
+/// positive as an x, and gives its sign to the result as a y.
+template <class T>
+T atan2(const T& y, const T& x) {
+  if constexpr (kIsDouble<T>) {
+    using std::abs;
+    using std::copysign;
+    const T ax = abs(x), ay = abs(y);
+    const auto steep = ax < ay;
+    const T least = select(steep, ax, ay), greatest = select(steep, ay, ax);
+    // Near the diagonal, arctan(t) = pi / 4 + arctan((t - 1) / (t + 1)).
+    const auto middle = T(detail::kMiddle) * greatest < least;
+    const T arctan = detail::small_arctan(T(select(middle, T(least - greatest), least) /
+                                            select(middle, T(least + greatest), greatest)));
+    // The angle is `quarters` pi / 4 +- arctan.
+    const auto left = x < T(0);
+    T quarters = select(middle, T(1), T(0));
+    quarters = select(steep, T(T(2) - quarters), quarters);
+    quarters = select(left, T(T(4) - quarters), quarters);
+    const T turned = select(MaskOf<T>(steep ^ left), T(-arctan), arctan);
+    return copysign(
+        quarters * T(detail::kQuarterPiHigh) + (quarters * T(detail::kQuarterPiLow) + turned), y);
+  } else {
+    using std::atan2;
+    return atan2(y, x);
+  }
+}
+
+}  // namespace cs2mesh::vmath
