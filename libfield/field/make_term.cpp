@@ -125,9 +125,8 @@ Result<MadeTerm> make_term(const Scene& scene, const Element& element) {
   bool degenerate = false;
   const std::optional<double> radius = radius_of(scene, element);
   const bool plain = material.width && !material.radius;
-  term.primitive = plain || !radius
-                       ? element.skeleton
-                       : as_point_if_degenerate(element.skeleton, *radius, degenerate);
+  term.primitive = plain || !radius ? element.skeleton
+                                    : as_point_if_degenerate(element.skeleton, *radius, degenerate);
   if (degenerate) {
     notes.push_back({Severity::note, Failure::none, element.where,
                      std::string(name_of(element.kind)) + " of no size counts as a point"});

@@ -40,9 +40,8 @@ class Thesis(SceneTest):
 
     def test_same_bytes_for_any_number_of_threads(self):
         for threads in (1, 2):
-            self.succeed(
-                SCENES / "seahorse.art", f"{threads}.glb", "--threads", threads, "--tolerance", "0.4%"
-            )
+            options = ("--threads", threads, "--tolerance", "0.4%")
+            self.succeed(SCENES / "seahorse.art", f"{threads}.glb", *options)
         self.assertEqual(
             (self.folder / "1.glb").read_bytes(), (self.folder / "2.glb").read_bytes()
         )
