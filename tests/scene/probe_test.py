@@ -1,7 +1,8 @@
 """`probe` against high-precision values of single integrals, stated as scenes.
 
 The rows are those of field_public.csv, in the folder $CS2MESH_SHARED/reference or
-../shared/reference beside the sources. A value passes if it is exact for inputs moved by 64 units in the last place.
+../shared/reference beside the sources. A value passes if it is exact for inputs moved by 64 units
+in the last place.
 """
 
 import csv
