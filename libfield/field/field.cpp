@@ -167,12 +167,14 @@ Interval Field::enclose(const Aabb& box) const {
 
   // Terms known by range add up as intervals, the others as one Taylor polynomial: gradients of
   // neighbours cancel before they are bounded.
+  // What far terms leave open together is small against T.
+  const double negligible = 0.01 * kThreshold / static_cast<double>(data_->terms.size());
   Interval ranges(-kThreshold);
   Jet center;
   double hessian = 0;
   double rounding = 0;
   for (const std::uint32_t i : list) {
-    const ValueBound b = value_bound(data_->terms[i], box);
+    const ValueBound b = value_bound(data_->terms[i], box, negligible);
     if (b.taylor) {
       center += b.center;
       hessian += b.hessian;

@@ -154,7 +154,7 @@ Reach reach(const Term& term, const P& primitive, const LocalBox& local) {
 template <class K, class P>
 double near_bound(const K& kernel, const P& primitive, int order, const Reach& r) {
   if constexpr (!std::is_same_v<P, Plane>) {
-    if (r.near > 2 * r.size) {
+    if (r.near > r.size) {
       return measure(primitive) * kernel.derivative_envelope(order, r.near) * (1 + 1e-12);
     }
   }
@@ -193,7 +193,7 @@ double largest_weight(const Term& term) {
 /// The integral alone over a ball.
 template <class K, class P>
 ValueBound integral_bound(const Term& term, const K& kernel, const P& primitive,
-                          const LocalBox& local, const Reach& r) {
+                          const LocalBox& local, const Reach& r, double negligible = 0.0) {
   ValueBound b;
   const double highest = near_bound(kernel, primitive, 0, r);
   // Every element of the primitive is nearer than r.far, and h decreases.
@@ -201,6 +201,7 @@ ValueBound integral_bound(const Term& term, const K& kernel, const P& primitive,
   const double lowest =
       std::isfinite(mass) ? mass * kernel.profile(r.far * r.far) * (1 - 1e-12) : 0.0;
   b.range = {std::min(lowest, highest), highest};
+  if (b.range.width() <= negligible) return b;
   b.hessian = near_bound(kernel, primitive, 2, r);
   b.taylor = b.hessian * local.radius * local.radius < b.range.width();
   if (b.taylor) {
@@ -364,11 +365,11 @@ void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> 
   });
 }
 
-ValueBound value_bound(const Term& term, const Aabb& box) {
+ValueBound value_bound(const Term& term, const Aabb& box, double negligible) {
   const LocalBox local = local_box(term, box);
   return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
     const Reach r = reach(term, primitive, local);
-    ValueBound b = integral_bound(term, kernel, primitive, local, r);
+    ValueBound b = integral_bound(term, kernel, primitive, local, r, negligible);
     const Interval sign(term.sign);
     double factor = term.sign;
     if (!term.profiles.empty()) {

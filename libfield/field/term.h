@@ -50,7 +50,8 @@ struct ValueBound {
   double hessian = 0.0;   ///< where taylor is set
   double rounding = 0.0;  ///< of f0 against f(p0)
 };
-ValueBound value_bound(const Term& term, const Aabb& box);
+/// A range of a width up to `negligible` is taken as it is: nothing tighter is looked for.
+ValueBound value_bound(const Term& term, const Aabb& box, double negligible = 0.0);
 
 /// Each component of the gradient of f lies in its interval, at every point of the box.
 std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box);
