@@ -100,7 +100,8 @@ struct Pack {
   Doubles lane{};
 
   Pack() = default;
-  Pack(double x) : lane(x - Doubles{}) {}  // implicit: a constant is the same in every lane
+  /// Implicit, as a constant is the same in every lane.
+  Pack(double x) : lane(x - Doubles{}) {}  // NOLINT(google-explicit-constructor)
   explicit Pack(const Doubles& x) : lane(x) {}
 
   Pack& operator+=(const Pack& b) { return *this = *this + b; }

@@ -35,7 +35,8 @@ struct Twice {
   T first, second;
 
   Twice() = default;
-  Twice(double x) : first(x), second(x) {}  // implicit: a constant is the same in every lane
+  /// Implicit, as a constant is the same in every lane.
+  Twice(double x) : first(x), second(x) {}  // NOLINT(google-explicit-constructor)
   Twice(const T& a, const T& b) : first(a), second(b) {}
 
   Twice& operator+=(const Twice& b) { return *this = *this + b; }

@@ -3,7 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
-#include <cstring>
+#include <bit>
+#include <cstdint>
 #include <vector>
 
 #include "libfield/base/check.h"
@@ -22,7 +23,12 @@ using testing::with_every_isa;
 static_assert(kHasBulk<Cauchy, ArcFrame<double>> && !kHasBulk<Gaussian, ArcFrame<double>>);
 
 bool same_bits(const Jet& a, const Jet& b) {
-  return std::memcmp(&a, &b, sizeof a) == 0;
+  const auto bits = [](const Jet& jet) {
+    return std::array{
+        std::bit_cast<std::uint64_t>(jet.value), std::bit_cast<std::uint64_t>(jet.gradient.x),
+        std::bit_cast<std::uint64_t>(jet.gradient.y), std::bit_cast<std::uint64_t>(jet.gradient.z)};
+  };
+  return bits(a) == bits(b);
 }
 
 /// One term and points in all regimes: near, far, on the axis of the primitive.
