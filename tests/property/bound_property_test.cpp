@@ -91,8 +91,9 @@ void check_fall(std::uint64_t seed) {
         for (int order = 0; order <= 2; ++order) {
           const double near = testing::log_uniform(random, 1e-3, 10.0);
           const double far = near * (1.0 + testing::log_uniform(random, 1e-6, 1.0));
+          // Subnormal numbers have too few digits for the relative part.
           RC_ASSERT(derivative_bound(kernel, primitive, order, far) <=
-                    derivative_bound(kernel, primitive, order, near) * (1.0 + 1e-10));
+                    derivative_bound(kernel, primitive, order, near) * (1.0 + 1e-10) + 1e-307);
         }
       },
       c.kernel, c.primitive);
