@@ -1,6 +1,5 @@
 #include "polygonize/attributes.h"
 
-#include <tbb/blocked_range.h>
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
@@ -15,6 +14,16 @@ namespace {
 /// Vertices evaluated together: neighbours in the list, for which one restriction of the field
 /// pays.
 constexpr std::size_t kBatch = 1024;
+
+/// Runs f(index of the first, positions) for all batches of vertices in parallel.
+template <class F>
+void for_each_batch(const TriangleMesh& mesh, const F& f) {
+  const std::size_t count = mesh.positions.size();
+  tbb::parallel_for(std::size_t{0}, (count + kBatch - 1) / kBatch, [&](std::size_t batch) {
+    const std::size_t begin = batch * kBatch, end = std::min(begin + kBatch, count);
+    f(begin, std::span<const Vec3d>(mesh.positions.data() + begin, end - begin));
+  });
+}
 
 Vec3d linear_color(const Color& color) {
   return {srgb_to_linear(color.r), srgb_to_linear(color.g), srgb_to_linear(color.b)};
@@ -43,14 +52,14 @@ bool unit(const Vec3d& v, Vec3<float>& out) {
 void add_normals(TriangleMesh& mesh, const ImplicitSurface& surface) {
   const std::size_t count = mesh.positions.size();
   mesh.normals.assign(count, Vec3<float>(0, 0, 0));
-  tbb::parallel_for(std::size_t{0}, (count + kBatch - 1) / kBatch, [&](std::size_t batch) {
-    const std::size_t begin = batch * kBatch, end = std::min(begin + kBatch, count);
-    const std::span<const Vec3d> points(mesh.positions.data() + begin, end - begin);
+  for_each_batch(mesh, [&](std::size_t begin, std::span<const Vec3d> points) {
     Aabb box;
     for (const Vec3d& p : points) box.include(p);
     std::vector<Jet> jets(points.size());
     surface.restrict_to(box)->jets(points, jets);
-    for (std::size_t i = begin; i < end; ++i) unit(-jets[i - begin].gradient, mesh.normals[i]);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      unit(-jets[i].gradient, mesh.normals[begin + i]);
+    }
   });
 
   // Fill in what the gradient left open.
@@ -68,18 +77,11 @@ void add_colors(TriangleMesh& mesh, const MaterialBlend& blend,
   palette.reserve(materials.size());
   for (const Material& material : materials) palette.push_back(linear_color(material.diffuse));
   mesh.colors.assign(mesh.positions.size(), Vec3<float>());
-  const tbb::blocked_range<std::size_t> all(0, mesh.positions.size(), kBatch);
-  tbb::parallel_for(all, [&](const tbb::blocked_range<std::size_t>& range) {
-    std::vector<MaterialShare> shares;
-    for (std::size_t i = range.begin(); i < range.end(); ++i) {
-      blend.shares(mesh.positions[i], shares);
-      Vec3d sum;
-      for (const MaterialShare& share : shares) {
-        const auto index = static_cast<std::size_t>(share.material);
-        require(index < palette.size(), "a share names a material that is not in the list");
-        sum += share.share * palette[index];
-      }
-      mesh.colors[i] = Vec3<float>(max(Vec3d(), min(Vec3d(1, 1, 1), sum)));
+  for_each_batch(mesh, [&](std::size_t begin, std::span<const Vec3d> points) {
+    std::vector<Vec3d> colors(points.size());
+    blend.blend(points, palette, colors);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      mesh.colors[begin + i] = Vec3<float>(max(Vec3d(), min(Vec3d(1, 1, 1), colors[i])));
     }
   });
 }

@@ -1,5 +1,7 @@
 #include "polygonize/closest_point.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -45,10 +47,9 @@ struct Candidate {
   }
 };
 
-/// The point of triangle abc nearest to p. Every candidate is a point of the triangle, so that a
-/// thin triangle, whose normal is mostly rounding, can only make the distance too large, by no more
-/// than its width.
-Candidate nearest_on_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& p) {
+}  // namespace
+
+Vec3d nearest_on_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& p) {
   const Vec3d n = cross(b - a, c - a);
   // Barycentric weights times |n|^2; a negative one means that p is beyond the edge opposite.
   const double wa = dot(n, cross(c - b, p - b));
@@ -57,17 +58,14 @@ Candidate nearest_on_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, co
   Candidate best;
   const double sum = wa + wb + wc;
   if (wa > 0 && wb > 0 && wc > 0 && sum < kInfinity) {
-    best.take(a + (wb / sum) * (b - a) + (wc / sum) * (c - a), p);
-    return best;
+    return a + (wb / sum) * (b - a) + (wc / sum) * (c - a);
   }
   // The nearest point lies on an edge that p is beyond.
   if (!(wa > 0)) best.take(nearest_on_segment(b, c, p), p);
   if (!(wb > 0)) best.take(nearest_on_segment(c, a, p), p);
   if (!(wc > 0)) best.take(nearest_on_segment(a, b, p), p);
-  return best;
+  return best.point;
 }
-
-}  // namespace
 
 // ---- Building ----
 
@@ -81,7 +79,7 @@ class ClosestPoint::Builder {
       items_[t].center = items_[t].box.center();
       items_[t].triangle = t;
     }
-    tree_.root_ = build(0, count, 0);
+    tree_.root_ = build(0, count, 0, tree_.nodes_);
     tree_.corners_.reserve(count);
     for (const Item& item : items_) {
       const auto& [a, b, c] = mesh.triangles[item.triangle];
@@ -97,7 +95,8 @@ class ClosestPoint::Builder {
     std::uint32_t triangle;
   };
 
-  Child build(std::uint32_t begin, std::uint32_t end, int depth) {
+  /// Appends the nodes below the child that holds items [begin, end).
+  Child build(std::uint32_t begin, std::uint32_t end, int depth, std::vector<Node>& nodes) {
     Child result;
     for (std::uint32_t i = begin; i < end; ++i) result.box.include(items_[i].box);
     if (end - begin <= kLeafSize) {
@@ -106,13 +105,36 @@ class ClosestPoint::Builder {
       return result;
     }
     const std::uint32_t middle = split(begin, end, depth);
-    const auto index = static_cast<std::uint32_t>(tree_.nodes_.size());
-    tree_.nodes_.emplace_back();
-    const Child left = build(begin, middle, depth + 1);
-    const Child right = build(middle, end, depth + 1);
-    tree_.nodes_[index] = {{left, right}};
+    const auto index = static_cast<std::uint32_t>(nodes.size());
+    nodes.emplace_back();
+    Child left, right;
+    constexpr std::uint32_t kAlone = 1U << 15U;
+    if (end - begin <= kAlone) {
+      left = build(begin, middle, depth + 1, nodes);
+      right = build(middle, end, depth + 1, nodes);
+    } else {
+      std::vector<Node> left_nodes, right_nodes;
+      tbb::parallel_invoke([&] { left = build(begin, middle, depth + 1, left_nodes); },
+                           [&] { right = build(middle, end, depth + 1, right_nodes); });
+      append(left, left_nodes, nodes);
+      append(right, right_nodes, nodes);
+    }
+    nodes[index] = {{left, right}};
     result.first = index;
     return result;
+  }
+
+  /// Moves the nodes of a subtree behind `nodes`.
+  static void append(Child& root, std::vector<Node>& subtree, std::vector<Node>& nodes) {
+    const auto offset = static_cast<std::uint32_t>(nodes.size());
+    const auto shift = [offset](Child& child) {
+      if (child.count == 0) child.first += offset;
+    };
+    shift(root);
+    for (Node& node : subtree) {
+      for (Child& child : node.child) shift(child);
+    }
+    nodes.insert(nodes.end(), subtree.begin(), subtree.end());
   }
 
   /// Orders items [begin, end) and returns where the second half starts, by the least sum of
@@ -204,12 +226,9 @@ ClosestPoint::Hit ClosestPoint::nearest(const Vec3d& p, double upper_bound) cons
     if (squared >= best.squared) continue;
     if (child->count > 0) {
       for (std::uint32_t i = child->first; i < child->first + child->count; ++i) {
-        const Candidate candidate =
-            nearest_on_triangle(corners_[i].a, corners_[i].b, corners_[i].c, p);
-        if (candidate.squared < best.squared) {
-          best = candidate;
-          found = i;
-        }
+        const double before = best.squared;
+        best.take(nearest_on_triangle(corners_[i].a, corners_[i].b, corners_[i].c, p), p);
+        if (best.squared < before) found = i;
       }
     } else if (!nodes_.empty()) {
       const Node& node = nodes_[child->first];

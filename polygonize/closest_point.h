@@ -10,6 +10,10 @@
 
 namespace cs2mesh {
 
+/// The point of triangle abc nearest to p. A thin triangle, whose normal is mostly rounding, can
+/// only make the distance too large, by no more than its width.
+Vec3d nearest_on_triangle(const Vec3d& a, const Vec3d& b, const Vec3d& c, const Vec3d& p);
+
 /// Queries are in double precision, safe from any number of threads, and depend on the mesh alone.
 /// The tree keeps what it needs of the mesh. Building takes O(n log n).
 class ClosestPoint {
@@ -28,6 +32,21 @@ class ClosestPoint {
   /// distance if there is none. Exact to rounding of the coordinates, also for triangles without
   /// area. O(log n) near the surface; a good bound makes it faster.
   Hit nearest(const Vec3d& p, double upper_bound = std::numeric_limits<double>::infinity()) const;
+
+  /// Calls f(i, nearest(points[i])) in order. Points that follow each other are best near each
+  /// other: the last nearest point bounds the next distance.
+  template <class F>
+  void nearest_each(std::span<const Vec3d> points, const F& f) const {
+    Hit last;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const double bound = last.triangle == kNone ? std::numeric_limits<double>::infinity()
+                                                  : norm(points[i] - last.point) * (1 + 1e-9);
+      Hit hit = nearest(points[i], bound);
+      if (hit.triangle == kNone) hit = nearest(points[i]);
+      last = hit;
+      f(i, hit);
+    }
+  }
 
   /// All t in [t0, t1] where origin + t direction meets a triangle, ascending, by the watertight
   /// test of Woop, Benthin and Wald (2013): a ray cannot slip between two triangles that share an

@@ -229,7 +229,8 @@ class Measurement {
       const Vec3d& p = points[static_cast<std::size_t>(farthest - nearest.begin())];
       double found = farthest->distance;
       for (const ImplicitSurface* surface : surfaces_) {
-        found = searched_distance(*surface, p, found);
+        const std::optional<SignChange> nearer = search_around(*surface, p, found);
+        if (nearer) found = std::min(found, nearer->distance);
       }
       if (!(found < 0.99 * farthest->distance)) return;
       farthest->distance = found;
@@ -364,18 +365,13 @@ class Measurement {
       surfaces_[s]->values(points, values);
       for (std::size_t i = 0; i < points.size(); ++i) hidden[i] = hidden[i] || values[i] > 0;
     }
-    // Neighbours in the list are near each other: the last nearest point bounds the next distance.
-    Vec3d last;
-    double bound = kInfinity;
+    std::vector<Vec3d> seen;
     for (std::size_t i = 0; i < points.size(); ++i) {
-      if (hidden[i]) continue;
-      if (bound < kInfinity) bound = norm(points[i] - last) * (1 + 1e-9);
-      ClosestPoint::Hit hit = tree_.nearest(points[i], bound);
-      if (hit.triangle == ClosestPoint::kNone) hit = tree_.nearest(points[i]);
-      last = hit.point;
-      bound = hit.distance;
-      tally.add(hit.distance, points[i]);
+      if (!hidden[i]) seen.push_back(points[i]);
     }
+    tree_.nearest_each(seen, [&](std::size_t i, const ClosestPoint::Hit& hit) {
+      tally.add(hit.distance, seen[i]);
+    });
   }
 
   // ---- Both ----

@@ -28,10 +28,16 @@ struct NarrowBand::Tree {
   }
 };
 
-/// A cube of 2^level blocks a side that may hold surface, as far as its parent knew.
+/// A cube that may hold surface, by its parts of 2^level blocks a side.
 struct NarrowBand::Candidate {
-  Int3 coord;                                      ///< in units of its own side
-  std::shared_ptr<const ImplicitSurface> surface;  ///< restricted to its parent
+  std::shared_ptr<const ImplicitSurface> surface;  ///< restricted to the cube
+  std::vector<Int3> children;                      ///< in units of their own side
+};
+
+/// A child that the enclosure did not clear.
+struct NarrowBand::Kept {
+  Int3 coord;
+  std::shared_ptr<const ImplicitSurface> surface;  ///< restricted to it
 };
 
 namespace {
@@ -107,56 +113,73 @@ Result<NarrowBand> NarrowBand::build(const ImplicitSurface& surface,
 
   // Start from the few cubes that cover the bounds.
   int level = range->root_level();
-  std::vector<Candidate> candidates;
+  std::vector<Candidate> parents(1);
+  parents[0].surface = borrowed(surface);
   for (std::int32_t x = range->lo.x >> level; x <= range->hi.x >> level; ++x) {
     for (std::int32_t y = range->lo.y >> level; y <= range->hi.y >> level; ++y) {
       for (std::int32_t z = range->lo.z >> level; z <= range->hi.z >> level; ++z) {
-        candidates.push_back({{x, y, z}, borrowed(surface)});
+        parents[0].children.push_back({x, y, z});
       }
     }
   }
 
   // Discard what the enclosure clears and cut the rest in eight, down to single blocks.
   const std::size_t most_blocks = options.max_nodes / Lattice::kBlockNodes;
-  const double margin = kMargin * options.cell;
   for (;; --level) {
-    std::vector<std::shared_ptr<const ImplicitSurface>> kept(candidates.size());
-    tbb::parallel_for(std::size_t{0}, candidates.size(), [&](std::size_t i) {
+    std::vector<std::vector<Kept>> kept(parents.size());
+    tbb::parallel_for(std::size_t{0}, parents.size(), [&](std::size_t i) {
       if (options.progress != nullptr && options.progress->cancelled()) return;
-      const std::int32_t side = std::int32_t{1} << level;
-      const Aabb cube = band.lattice_.block_box(side * candidates[i].coord, side);
-      if (!may_hold_zero(candidates[i].surface->enclose(cube))) return;
-      kept[i] = candidates[i].surface->restrict_to(cube.grown(margin));
+      kept[i] = band.uncleared(parents[i], level);
     });
     if (options.progress != nullptr && options.progress->cancelled()) {
       return error_at({}, "interrupted", Failure::interrupted);
     }
-    band.counts_.blocks_tested += candidates.size();
     std::vector<Candidate> next;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      if (!kept[i]) continue;
-      if (level == 0) {
-        band.coords_.push_back(candidates[i].coord);
-        band.surfaces_.push_back(std::move(kept[i]));
-        continue;
-      }
-      for (int child = 0; child < 8; ++child) {
-        const Int3 coord = 2 * candidates[i].coord + corner_step(child);
-        if (range->overlaps(coord, level - 1)) next.push_back({coord, kept[i]});
+    for (std::size_t i = 0; i < parents.size(); ++i) {
+      band.counts_.blocks_tested += parents[i].children.size();
+      for (Kept& cube : kept[i]) {
+        if (level == 0) {
+          band.coords_.push_back(cube.coord);
+          band.surfaces_.push_back(std::move(cube.surface));
+          continue;
+        }
+        Candidate candidate{std::move(cube.surface), {}};
+        for (int child = 0; child < 8; ++child) {
+          const Int3 coord = 2 * cube.coord + corner_step(child);
+          if (range->overlaps(coord, level - 1)) candidate.children.push_back(coord);
+        }
+        next.push_back(std::move(candidate));
       }
     }
-    if (band.coords_.size() > most_blocks || next.size() / 8 > most_blocks) {
+    if (band.coords_.size() > most_blocks || next.size() > most_blocks) {
       return limit("the lattice needs more than " + std::to_string(options.max_nodes) +
                    " nodes; use a larger cell or tolerance");
     }
     if (level == 0) break;
-    candidates = std::move(next);
+    parents = std::move(next);
   }
 
   band.collect_blocks();
   band.find_neighbours();
   if (!band.sample(options.progress)) return error_at({}, "interrupted", Failure::interrupted);
   return band;
+}
+
+std::vector<NarrowBand::Kept> NarrowBand::uncleared(const Candidate& parent, int level) const {
+  const std::int32_t side = std::int32_t{1} << level;
+  std::vector<Aabb> boxes;
+  for (const Int3& child : parent.children) {
+    boxes.push_back(lattice_.block_box(side * child, side));
+  }
+  std::vector<Interval> ranges(boxes.size());
+  parent.surface->enclose_each(boxes, ranges);
+  std::vector<Kept> kept;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (!may_hold_zero(ranges[i])) continue;
+    kept.push_back(
+        {parent.children[i], parent.surface->restrict_to(boxes[i].grown(kMargin * lattice_.cell))});
+  }
+  return kept;
 }
 
 /// Makes the leaf of every active block, then those that hold the nodes on their upper faces.
@@ -237,37 +260,23 @@ bool NarrowBand::surrounded(std::size_t block, int offset) const {
   return true;
 }
 
-/// Encloses F over the octants of a block, and over the cubes of those that are not cleared.
-/// Returns the number of enclosures.
-std::size_t NarrowBand::clear_cubes(std::size_t active_block) {
-  const ImplicitSurface& surface = *surfaces_[active_block];
+/// Encloses F over the cubes of a block.
+void NarrowBand::clear_cubes(std::size_t active_block) {
   const Int3 base = Lattice::kBlockCells * coords_[active_block];
-  Clearance& clearance = clearances_[active_block];
-  std::size_t tested = 0;
-  const auto clears = [&](const Int3& local, std::int32_t cells, std::uint64_t cubes) {
-    const Int3 corner = base + local;
-    const Interval f =
-        surface.enclose({lattice_.node(corner), lattice_.node(corner + Int3{cells, cells, cells})});
-    ++tested;
-    if (may_hold_zero(f)) return false;
-    clearance.cleared |= cubes;
-    if (f.lo > 0) clearance.inside |= cubes;
-    return true;
-  };
-  const auto cube_bit = [](const Int3& cube) {
-    return std::uint64_t{1} << ((cube.x << 4) | (cube.y << 2) | cube.z);
-  };
-  for (int octant = 0; octant < 8; ++octant) {
-    const Int3 first = 2 * corner_step(octant);  // in cubes
-    std::uint64_t all = 0;
-    for (int child = 0; child < 8; ++child) all |= cube_bit(first + corner_step(child));
-    if (clears(2 * first, 4, all)) continue;
-    for (int child = 0; child < 8; ++child) {
-      const Int3 cube = first + corner_step(child);
-      clears(2 * cube, 2, cube_bit(cube));
-    }
+  std::array<Aabb, kCubes> boxes;
+  for (int cube = 0; cube < kCubes; ++cube) {
+    const Int3 corner = base + 2 * Int3{cube >> 4, (cube >> 2) & 3, cube & 3};
+    boxes[static_cast<std::size_t>(cube)] = {lattice_.node(corner),
+                                             lattice_.node(corner + Int3{2, 2, 2})};
   }
-  return tested;
+  std::array<Interval, kCubes> ranges;
+  surfaces_[active_block]->enclose_each(boxes, ranges);
+  Clearance& clearance = clearances_[active_block];
+  for (std::size_t cube = 0; cube < kCubes; ++cube) {
+    if (may_hold_zero(ranges[cube])) continue;
+    clearance.cleared |= std::uint64_t{1} << cube;
+    if (ranges[cube].lo > 0) clearance.inside |= std::uint64_t{1} << cube;
+  }
 }
 
 /// An infinity of the sign that all cubes around the node agree on, or 0 where one is not cleared.
@@ -321,7 +330,6 @@ void NarrowBand::evaluate(std::size_t block, const std::vector<std::uint16_t>& o
 
 bool NarrowBand::sample(Progress* progress) {
   std::atomic<std::size_t> nodes{0};
-  std::atomic<std::size_t> cubes{0};
   std::atomic<bool> stopped{false};
   const auto each_block = [&](std::size_t count, auto&& f) {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t block) {
@@ -330,7 +338,7 @@ bool NarrowBand::sample(Progress* progress) {
     });
   };
   clearances_.resize(counts_.blocks_active);
-  each_block(counts_.blocks_active, [&](std::size_t block) { cubes += clear_cubes(block); });
+  each_block(counts_.blocks_active, [&](std::size_t block) { clear_cubes(block); });
   each_block(coords_.size(), [&](std::size_t block) {
     mark_sampled(block);
     double* values = tree_->leaves[block]->buffer().data();
@@ -343,7 +351,7 @@ bool NarrowBand::sample(Progress* progress) {
     nodes += unknown.size();
   });
   counts_.nodes_evaluated = nodes;
-  counts_.cubes_tested = cubes;
+  counts_.cubes_tested = kCubes * counts_.blocks_active;
   return !stopped;
 }
 

@@ -84,18 +84,21 @@ class NarrowBand {
  private:
   /// The 4^3 cubes of 2^3 cells of an active block, a bit each: whether the enclosure of F over it
   /// excludes 0, and if so, whether F is positive there.
+  static constexpr int kCubes = 64;
   struct Clearance {
     std::uint64_t cleared = 0;
     std::uint64_t inside = 0;
   };
   struct Tree;
   struct Candidate;
+  struct Kept;
   NarrowBand();
+  std::vector<Kept> uncleared(const Candidate& parent, int level) const;
   void collect_blocks();
   void find_neighbours();
   bool sample(Progress* progress);
   void mark_sampled(std::size_t block);
-  std::size_t clear_cubes(std::size_t active_block);
+  void clear_cubes(std::size_t active_block);
   double known_sign(std::size_t block, int offset) const;
   void evaluate(std::size_t block, const std::vector<std::uint16_t>& offsets);
 

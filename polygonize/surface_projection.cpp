@@ -304,7 +304,8 @@ void project(const ImplicitSurface& surface, const ImplicitSurface& local, const
   Projector(surface, local, box, points, search_limit, out).run();
 }
 
-double searched_distance(const ImplicitSurface& surface, const Vec3d& p, double farthest) {
+std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
+                                        double farthest) {
   constexpr int kSpheres = 11;
   constexpr int kHalvings = 8;
   const bool side = inside(surface.value(p));
@@ -322,16 +323,48 @@ double searched_distance(const ImplicitSurface& surface, const Vec3d& p, double 
     surface.values(points, values);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (inside(values[i]) == side) continue;
+      const auto at = [&](double t) { return p + t * (points[i] - p); };
       double lo = 0, hi = 1;
       for (int k = 0; k < kHalvings; ++k) {
         const double middle = 0.5 * (lo + hi);
-        const bool same = inside(surface.value(p + middle * (points[i] - p))) == side;
-        (same ? lo : hi) = middle;
+        (inside(surface.value(at(middle))) == side ? lo : hi) = middle;
       }
-      return hi * radius;
+      return SignChange{hi * radius, at(lo), at(hi)};
     }
   }
-  return farthest;
+  return std::nullopt;
+}
+
+namespace {
+
+/// A point of the surface near `p` by Newton's method along the gradient, if that converges within
+/// a few times `first`.
+std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p, double first) {
+  constexpr int kMostSteps = 20;
+  constexpr double kConverged = 1e-3;  // of the distance
+  Vec3d q = p;
+  for (int i = 0; i < kMostSteps; ++i) {
+    const Jet jet = surface.jet(q);
+    const double slope = squared_norm(jet.gradient);
+    if (!(slope > 0)) return std::nullopt;
+    const Vec3d step = (-jet.value / slope) * jet.gradient;
+    q += step;
+    const double distance = norm(q - p);
+    if (!(distance <= 4 * first)) return std::nullopt;
+    if (norm(step) <= kConverged * distance) return q;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order) {
+  Foot foot{p, first_order};
+  const std::optional<Vec3d> straight = newton_foot(surface, p, first_order);
+  if (straight) foot = {*straight, norm(*straight - p)};
+  const std::optional<SignChange> nearer = search_around(surface, p, foot.distance);
+  if (nearer) foot = {nearer->far, nearer->distance};
+  return foot;
 }
 
 }  // namespace cs2mesh

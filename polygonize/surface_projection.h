@@ -2,6 +2,7 @@
 #pragma once
 
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -27,10 +28,26 @@ struct Projection {
 void project(const ImplicitSurface& surface, const ImplicitSurface& local, const Aabb& box,
              std::span<const Vec3d> points, double search_limit, std::span<Projection> out);
 
-/// The distance of `p` from the nearest of the sign changes met along axes and diagonals on growing
-/// spheres about it: an upper bound of its distance from the surface. `farthest` if there is none
-/// nearer. For places where F has walls, from which no gradient points at the surface; some 300
-/// values.
-double searched_distance(const ImplicitSurface& surface, const Vec3d& p, double farthest);
+/// A stretch of a straight line across which F changes its sign.
+struct SignChange {
+  double distance = 0.0;  ///< of its far end from the point that was searched from
+  Vec3d near, far;        ///< its ends; no farther apart than 1/256 of `distance`
+};
+
+/// The nearest of the sign changes met along axes and diagonals on growing spheres about `p`, from
+/// farthest / 32 to `farthest`: its distance is an upper bound of that of the surface. For places
+/// where F has walls, from which no gradient points at the surface; up to some 300 values.
+std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
+                                        double farthest);
+
+/// A point of the surface near `p`, from which `first_order` is the distance to judge by value and
+/// gradient: Newton's method along the gradient may run past a wall that is nearer, so that and a
+/// search all around are tried. Its distance bounds that of the surface if either finds anything;
+/// if neither does, it is `p` itself with `first_order`.
+struct Foot {
+  Vec3d point;
+  double distance = 0.0;
+};
+Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order);
 
 }  // namespace cs2mesh

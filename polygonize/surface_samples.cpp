@@ -22,8 +22,7 @@ constexpr double kLastStep = 1e-3;
 /// from, so that memory stays small.
 constexpr std::size_t kMostRestrictions = 8000;
 
-bool may_hold_surface(const ImplicitSurface& surface, const Aabb& box) {
-  const Interval range = surface.enclose(box);
+bool may_hold_surface(const Interval& range) {
   // F = 0 counts as inside, so a box where F >= 0 throughout holds no boundary of {F >= 0}.
   return range.lo < 0 && range.hi >= 0;
 }
@@ -47,7 +46,7 @@ std::vector<SurfaceBlock> root_blocks(const ImplicitSurface& surface, const Aabb
       for (int i = 0; i < count[0]; ++i) {
         const Vec3d low = origin + size * Vec3d(i, j, k);
         const Aabb box{low, low + Vec3d{size, size, size}};
-        if (!may_hold_surface(surface, box)) continue;
+        if (!may_hold_surface(surface.enclose(box))) continue;
         blocks.push_back({box, surface.restrict_to(box)});
       }
     }
@@ -60,13 +59,19 @@ std::vector<SurfaceBlock> halved(const std::vector<SurfaceBlock>& blocks) {
   const bool restrict_more = blocks.size() <= kMostRestrictions;
   tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
     const Aabb& box = blocks[i].box;
-    for (int corner = 0; corner < 8; ++corner) {
-      const Vec3d center = box.center(), end = box.corner(corner);
-      const Aabb part{min(center, end), max(center, end)};
-      if (!may_hold_surface(*blocks[i].surface, part)) continue;
-      SurfaceBlock& child = children[i][static_cast<std::size_t>(corner)];
-      child.box = part;
-      child.surface = restrict_more ? blocks[i].surface->restrict_to(part) : blocks[i].surface;
+    std::array<Aabb, 8> parts;
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      const Vec3d center = box.center(), end = box.corner(static_cast<int>(corner));
+      parts[corner] = {min(center, end), max(center, end)};
+    }
+    std::array<Interval, 8> ranges;
+    blocks[i].surface->enclose_each(parts, ranges);
+    for (std::size_t corner = 0; corner < 8; ++corner) {
+      if (!may_hold_surface(ranges[corner])) continue;
+      SurfaceBlock& child = children[i][corner];
+      child.box = parts[corner];
+      child.surface =
+          restrict_more ? blocks[i].surface->restrict_to(parts[corner]) : blocks[i].surface;
     }
   });
   std::vector<SurfaceBlock> out;

@@ -10,8 +10,11 @@
 #include <vector>
 
 #include "libfield/base/check.h"
-#include "polygonize/metrology.h"
+#include "polygonize/insert_points.h"
+#include "polygonize/refine.h"
 #include "polygonize/surface_projection.h"
+#include "polygonize/surface_watch.h"
+#include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
 namespace {
@@ -22,101 +25,64 @@ constexpr std::size_t kChunk = 128;
 struct Sample {
   double distance = 0.0;
   std::size_t triangle = 0;
+  Vec3d point;
 };
 
-/// The point of a triangle that is farthest from a sphere through its corners: the circumcentre if
-/// the triangle is acute, else the middle of its longest side.
-Vec3d sample_point(const TriangleMesh& mesh, std::size_t triangle) {
-  const auto& t = mesh.triangles[triangle];
-  const Vec3d p[3] = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
-  double side[3];  // squared length, opposite to the corner
-  for (std::size_t i = 0; i < 3; ++i) side[i] = squared_norm(p[(i + 2) % 3] - p[(i + 1) % 3]);
-  const double all = side[0] + side[1] + side[2];
-  // Barycentric weights a^2 (b^2 + c^2 - a^2) of the circumcentre.
-  double weight[3];
-  for (std::size_t i = 0; i < 3; ++i) {
-    if (!(2 * side[i] < all)) return 0.5 * (p[(i + 1) % 3] + p[(i + 2) % 3]);
-    weight[i] = side[i] * (all - 2 * side[i]);
+/// Appends samples at points of the mesh that are near each other, with first-order distances no
+/// larger than the box around them.
+void append_samples(const ImplicitSurface& surface, std::span<const Vec3d> points,
+                    std::span<const std::size_t> triangles, std::vector<Sample>& samples) {
+  Aabb box;
+  for (const Vec3d& p : points) box.include(p);
+  std::vector<Jet> jets(points.size());
+  if (!points.empty()) surface.restrict_to(box)->jets(points, jets);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const double distance = first_order_distance(jets[i], box.diagonal());
+    samples.push_back({distance, triangles[i], points[i]});
   }
-  const double sum = weight[0] + weight[1] + weight[2];
-  return (weight[0] / sum) * p[0] + (weight[1] / sum) * p[1] + (weight[2] / sum) * p[2];
 }
 
-/// |F| / |grad F|, or `otherwise` where the gradient does not tell.
-double first_order_distance(const Jet& jet, double otherwise) {
-  if (jet.value == 0) return 0.0;
-  const double distance = std::abs(jet.value) / norm(jet.gradient);
-  return distance <= otherwise ? distance : otherwise;
-}
-
-/// First-order distances of all samples; none is larger than the chunk it is in.
-std::vector<Sample> first_order_distances(const ImplicitSurface& surface,
-                                          const TriangleMesh& mesh) {
-  std::vector<Sample> samples(mesh.triangles.size());
-  const std::size_t chunks = (mesh.triangles.size() + kChunk - 1) / kChunk;
-  tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t chunk) {
-    const std::size_t first = kChunk * chunk;
-    const std::size_t last = std::min(first + kChunk, samples.size());
-    std::vector<Vec3d> points;
-    Aabb box;
-    for (std::size_t i = first; i < last; ++i) {
-      points.push_back(sample_point(mesh, i));
-      box.include(points.back());
+/// One sample of each triangle in [first, last), and more of those that are farther than `closer`.
+std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const TriangleMesh& mesh,
+                                     std::size_t first, std::size_t last, double closer) {
+  std::vector<Vec3d> points;
+  std::vector<std::size_t> triangles;
+  for (std::size_t t = first; t < last; ++t) {
+    points.push_back(sample_point(mesh, t));
+    triangles.push_back(t);
+  }
+  std::vector<Sample> samples;
+  append_samples(surface, points, triangles, samples);
+  points.clear();
+  triangles.clear();
+  for (const Sample& sample : samples) {
+    if (!(sample.distance > closer)) continue;
+    for (const Vec3d& p : closer_points(mesh, sample.triangle)) {
+      points.push_back(p);
+      triangles.push_back(sample.triangle);
     }
-    std::vector<Jet> jets(points.size());
-    surface.restrict_to(box)->jets(points, jets);
-    for (std::size_t i = first; i < last; ++i) {
-      samples[i] = {first_order_distance(jets[i - first], box.diagonal()), i};
-    }
-  });
+  }
+  append_samples(surface, points, triangles, samples);
   return samples;
 }
 
-/// The distance of `p` from the surface by Newton's method along the gradient, if that converges
-/// within `first`.
-std::optional<double> newton_distance(const ImplicitSurface& surface, const Vec3d& p,
-                                      double first) {
-  constexpr int kMostSteps = 20;
-  constexpr double kConverged = 1e-3;  // of the distance
-  Vec3d q = p;
-  for (int i = 0; i < kMostSteps; ++i) {
-    const Jet jet = surface.jet(q);
-    const double slope = squared_norm(jet.gradient);
-    if (!(slope > 0)) return std::nullopt;
-    const Vec3d step = (-jet.value / slope) * jet.gradient;
-    q += step;
-    const double distance = norm(q - p);
-    if (!(distance <= 4 * first)) return std::nullopt;
-    if (norm(step) <= kConverged * distance) return distance;
-  }
-  return std::nullopt;
-}
-
-/// An upper bound of the distance of `p` from the surface, as far as one is found: Newton's method
-/// may run past a wall that is nearer, so both are tried.
-double looked_at_distance(const ImplicitSurface& surface, const Vec3d& p, double first) {
-  return searched_distance(surface, p, newton_distance(surface, p, first).value_or(first));
+/// First-order distances of all samples.
+std::vector<Sample> first_order_distances(const ImplicitSurface& surface, const TriangleMesh& mesh,
+                                          double closer) {
+  const std::size_t count = mesh.triangles.size();
+  std::vector<std::vector<Sample>> chunks((count + kChunk - 1) / kChunk);
+  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+    const std::size_t first = kChunk * i;
+    chunks[i] = sample_triangles(surface, mesh, first, std::min(first + kChunk, count), closer);
+  });
+  std::vector<Sample> samples;
+  for (const auto& chunk : chunks) samples.insert(samples.end(), chunk.begin(), chunk.end());
+  return samples;
 }
 
 /// A mesh is taken when its estimate, which looks at one point of each triangle and at some points
 /// of the surface, is this share of the tolerance.
 constexpr double kAccept = 0.92;
-
-/// The next cell to try: the error goes like a power of the cell, 2 for smooth surfaces that are
-/// well resolved, which they are not yet on the pilot's cell, 1 at creases; from the second attempt
-/// on as measured.
-double next_cell(const std::vector<ToleranceAttempt>& attempts, bool creased, double tolerance) {
-  constexpr double kAim = 0.8 * kAccept;  // of the tolerance
-  const ToleranceAttempt& last = attempts.back();
-  double order = creased ? 1.0 : 1.5;
-  if (attempts.size() > 1) {
-    const ToleranceAttempt& before = attempts[attempts.size() - 2];
-    const double measured = std::log(before.error / last.error) / std::log(before.cell / last.cell);
-    if (std::isfinite(measured)) order = std::clamp(measured, 0.7, 2.0);
-  }
-  const double ratio = kAim * tolerance / last.error;
-  return last.cell * std::clamp(std::pow(ratio, 1 / order), 0.25, 0.9);
-}
 
 Diagnostic not_reached(double tolerance, const ToleranceMesh& best) {
   std::ostringstream text;
@@ -125,19 +91,20 @@ Diagnostic not_reached(double tolerance, const ToleranceMesh& best) {
   return {Severity::warning, Failure::tolerance, {}, text.str()};
 }
 
+/// From this share of the tolerance on, a place is looked at more closely.
+constexpr double kCloser = 0.4;
+
 }  // namespace
 
 double GradientEstimate::largest_distance(const ImplicitSurface& surface,
                                           const TriangleMesh& mesh) const {
-  std::vector<Sample> samples = first_order_distances(surface, mesh);
-  if (samples.empty()) return 0.0;
+  std::vector<Sample> samples = first_order_distances(surface, mesh, closer_);
 
   // The first order errs far from the surface, near creases and between walls: look closely at the
   // farthest, until none of the others can be farther than what was found.
   constexpr std::size_t kBatch = 256;
-  std::sort(samples.begin(), samples.end(), [](const Sample& a, const Sample& b) {
-    return a.distance != b.distance ? a.distance > b.distance : a.triangle < b.triangle;
-  });
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& a, const Sample& b) { return a.distance > b.distance; });
   double largest = 0.0;
   std::vector<double> distances(kBatch);
   for (std::size_t first = 0; first < samples.size() && samples[first].distance > largest;
@@ -145,8 +112,7 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
     const std::size_t count = std::min(kBatch, samples.size() - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       const Sample& sample = samples[first + i];
-      distances[i] =
-          looked_at_distance(surface, sample_point(mesh, sample.triangle), sample.distance);
+      distances[i] = find_foot(surface, sample.point, sample.distance).distance;
     });
     const auto end = distances.begin() + static_cast<std::ptrdiff_t>(count);
     largest = std::max(largest, *std::max_element(distances.begin(), end));
@@ -154,25 +120,77 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
   return largest;
 }
 
-double TwoSidedEstimate::largest_distance(const ImplicitSurface& surface,
-                                          const TriangleMesh& mesh) const {
-  const double forth = GradientEstimate().largest_distance(surface, mesh);
-  if (forth > enough_) return forth;
-  MeasureOptions options;
-  options.samples = samples_;
-  options.mesh_to_surface = false;
-  return std::max(forth, measure(surface, mesh, options).surface_to_mesh_max);
-}
-
 double expected_cell(double radius, bool creased, double tolerance) {
   constexpr double kSagitta = 0.3;
-  constexpr double kAim = 0.8;        // of the tolerance
-  constexpr double kFollow = 0.7;     // of the radius: at least three cells across
-  constexpr double kCreaseCells = 2;  // tolerances in a cell
+  constexpr double kAim = 0.8;           // of the tolerance
+  constexpr double kFollow = 0.7;        // of the radius: at least three cells across
+  constexpr double kCreaseCells = 1.35;  // tolerances in a cell
   double cell = std::min(std::sqrt(kAim * tolerance * radius / kSagitta), kFollow * radius);
   if (creased) cell = std::min(cell, kCreaseCells * tolerance);
   return cell;
 }
+
+namespace {
+
+/// The first cell: larger than expected_cell(), as refine() makes up for that where it matters.
+double first_cell(double radius, bool creased, double tolerance) {
+  constexpr double kLarger = 1.25;
+  const double shape_cell = expected_cell(radius, false, HUGE_VAL);
+  return std::min(kLarger * expected_cell(radius, creased, tolerance), shape_cell);
+}
+
+/// Refines a mesh from both sides.
+class BothWays {
+ public:
+  BothWays(const ImplicitSurface& surface, double enough, const ToleranceOptions& options)
+      : surface_(surface), watch_(surface, {options.surface_samples, enough}) {
+    refinement_.tolerance = enough;
+    refinement_.max_triangles = options.max_triangles;
+    refinement_.progress = options.progress;
+  }
+
+  /// Refines the mesh where it is too far from the surface, and joins what there is of the surface
+  /// too far from the mesh, as long as that helps. Returns how far the surface is from the mesh;
+  /// infinity, without a look, if the mesh cannot be brought near the surface.
+  double run(TriangleMesh& mesh) {
+    constexpr int kMostLooks = 8;
+    refinement_.first_new = 0;
+    double farthest = 0;
+    for (int look = 0; look < kMostLooks; ++look) {
+      if (!bring_near(mesh)) return std::numeric_limits<double>::infinity();
+      const SurfaceWatch::Look back = watch_.look(mesh);
+      farthest = back.farthest;
+      if (back.lost.empty() || !join(mesh, back.lost)) break;
+    }
+    return farthest;
+  }
+
+ private:
+  /// Refines; false if triangles that are too far remain. They are mostly where the mesh has a hole
+  /// or a bridge that the surface has not: a smaller cell is needed there.
+  bool bring_near(TriangleMesh& mesh) {
+    std::size_t left = mesh.triangles.size();
+    for (;;) {
+      RefineStatistics refined;
+      mesh = refine(surface_, std::move(mesh), refinement_, &refined);
+      refinement_.first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
+      if (refined.far.empty()) return true;
+      if (refined.far.size() >= left || !join(mesh, refined.far)) return false;
+      left = refined.far.size();
+    }
+  }
+
+  bool join(TriangleMesh& mesh, std::span<const LostPoint> lost) {
+    refinement_.first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
+    return insert_points(mesh, lost) > 0;
+  }
+
+  const ImplicitSurface& surface_;
+  SurfaceWatch watch_;
+  RefineOptions refinement_;
+};
+
+}  // namespace
 
 Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double thinnest_radius,
                                         bool creased, double tolerance,
@@ -182,45 +200,40 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   require(tolerance > 0 && std::isfinite(tolerance),
           "mesh_to_tolerance: the tolerance must be positive");
   require(options.most_attempts >= 1, "mesh_to_tolerance: at least one attempt");
-  constexpr std::size_t kSurfaceSamples = 100'000;
-  const TwoSidedEstimate two_sided(kAccept * tolerance, kSurfaceSamples);
-  const DistanceEstimate& estimate = options.estimate != nullptr ? *options.estimate : two_sided;
+  constexpr double kSmaller = 0.75;
+  const double enough = kAccept * tolerance;
+  const GradientEstimate gradient(kCloser * enough);
+  const DistanceEstimate& estimate = options.estimate != nullptr ? *options.estimate : gradient;
 
-  // The radius is that of the thinnest element, the surface may curve less or more. A pilot on
-  // twice the cell costs a quarter, and may do.
-  constexpr double kPilot = 2.0;
-  const double shape_cell = expected_cell(thinnest_radius, false, HUGE_VAL);
-  double cell = std::min(kPilot * expected_cell(thinnest_radius, creased, tolerance), shape_cell);
-  if (options.most_attempts == 1) cell = expected_cell(thinnest_radius, creased, tolerance);
-
+  BothWays both_ways(surface, enough, options);
   ToleranceMesh best;
-  std::vector<ToleranceAttempt> attempts;
   std::vector<Diagnostic> remarks;
-  for (int attempt = 0; attempt < options.most_attempts; ++attempt) {
+  double cell = first_cell(thinnest_radius, creased, tolerance);
+  for (int attempt = 0; attempt < options.most_attempts; ++attempt, cell *= kSmaller) {
     LatticeStatistics statistics;
     Result<TriangleMesh> mesh = mesh_lattice(
         surface, {cell, options.origin, options.max_nodes, options.max_triangles, options.progress},
         &statistics);
     if (!mesh) {
-      if (attempts.empty() || mesh.diagnostics().front().failure == Failure::interrupted) {
+      if (best.attempts.empty() || mesh.diagnostics().front().failure == Failure::interrupted) {
         return Result<ToleranceMesh>::failure(mesh.diagnostics());
       }
       remarks = mesh.diagnostics();
       for (Diagnostic& remark : remarks) remark.severity = Severity::warning;
       break;
     }
-    const double error = estimate.largest_distance(surface, *mesh);
-    attempts.push_back({cell, error, mesh->triangles.size()});
-    if (attempts.size() == 1 || error < best.error) {
+    const double back = both_ways.run(*mesh);
+    const double error = std::max(back, estimate.largest_distance(surface, *mesh));
+    const bool better = best.attempts.empty() || error < best.error;
+    best.attempts.push_back({cell, error, mesh->triangles.size()});
+    if (better) {
       best.mesh = *std::move(mesh);
       best.cell = cell;
       best.error = error;
       best.statistics = statistics;
     }
-    if (error <= kAccept * tolerance) break;
-    cell = next_cell(attempts, creased, tolerance);
+    if (error <= enough) break;
   }
-  best.attempts = std::move(attempts);
   best.reached = best.error <= tolerance;
   if (!best.reached) remarks.push_back(not_reached(tolerance, best));
   return {std::move(best), std::move(remarks)};

@@ -1,7 +1,9 @@
-// The cell size of the lattice mesher from a tolerance: mesh, measure, and mesh again if need be.
+// A mesh to a tolerance: a lattice mesh on cells that suit the shape, refined where it is too far
+// from the surface, measured, and made anew on smaller cells if need be.
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <vector>
 
 #include "libfield/base/result.h"
@@ -21,33 +23,30 @@ class DistanceEstimate {
 };
 
 /// Looks from the mesh at the surface: |F| / |grad F| at one point of every triangle, where a
-/// triangle with its corners on a sphere is farthest from it; at the farthest of them Newton's
-/// method along the gradient, for the distance proper. One gradient a triangle. Blind to pieces of
-/// surface that the mesh misses.
+/// triangle with its corners on a sphere is farthest from it, and at seven more where that is more
+/// than `closer`; at the farthest of them the distance proper. One gradient a triangle or a little
+/// more. Blind to pieces of surface that the mesh misses.
 class GradientEstimate final : public DistanceEstimate {
  public:
-  double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
-};
-
-/// GradientEstimate, and where that is within `enough`, also from the surface at the mesh: from
-/// about `samples` points of the surface, found without the mesh, so that lost pieces are seen.
-class TwoSidedEstimate final : public DistanceEstimate {
- public:
-  TwoSidedEstimate(double enough, std::size_t samples) : enough_(enough), samples_(samples) {}
+  explicit GradientEstimate(double closer = std::numeric_limits<double>::infinity())
+      : closer_(closer) {}
   double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
 
  private:
-  double enough_;
-  std::size_t samples_;
+  double closer_;
 };
 
 struct ToleranceOptions {
   Vec3d origin{};  ///< a node of the lattice
   std::size_t max_nodes = 400'000'000;
   std::size_t max_triangles = 50'000'000;
-  /// Meshes made at most; the first is a pilot on a larger cell.
+  /// Lattices tried at most.
   int most_attempts = 4;
-  const DistanceEstimate* estimate = nullptr;  ///< TwoSidedEstimate if null
+  /// Samples of the surface, found without the mesh, from which its lost pieces are looked for;
+  /// there are nine times as many around those that are far.
+  std::size_t surface_samples = 100'000;
+  /// From the mesh at the surface; GradientEstimate if null.
+  const DistanceEstimate* estimate = nullptr;
   Progress* progress = nullptr;
 };
 
@@ -60,7 +59,7 @@ struct ToleranceAttempt {
 struct ToleranceMesh {
   TriangleMesh mesh;
   double cell = 0.0;
-  double error = 0.0;    ///< measured
+  double error = 0.0;    ///< measured, the larger of both ways
   bool reached = false;  ///< error <= tolerance
   std::vector<ToleranceAttempt> attempts;
   LatticeStatistics statistics;  ///< of the mesh returned
@@ -76,12 +75,13 @@ double expected_cell(double radius, bool creased, double tolerance);
 /// by options.estimate. `thinnest_radius` is the smallest radius of its elements, > 0 (else
 /// ContractViolation), in scene units.
 ///
-/// A pilot on a larger cell tells how the error really behaves; from then on the cell follows from
-/// the last measurements (error ~ h^2, with creases ~ h, then as measured), at most 4 times smaller
-/// each time. A mesh is taken when its estimate is within 0.92 of the tolerance. If the
-/// tolerance is not reached, the mesh of the smallest error comes with a warning of
-/// Failure::tolerance and reached == false. Errors: those of mesh_lattice(); but where a retry runs
-/// into a limit, the best mesh before it is returned, with the limit's message as a warning.
+/// The first cell is somewhat larger than a lattice mesh of the whole surface would need; refine()
+/// makes up for that where it matters. Then the mesh is looked at from both sides, and where there
+/// is surface too far from it, points of that are inserted, a few times. If that is not enough, all
+/// is done again on a smaller cell. A mesh is taken when its estimate is within 0.92 of the
+/// tolerance. If the tolerance is not reached, the mesh of the smallest error comes with a warning
+/// of Failure::tolerance and reached == false. Errors: those of mesh_lattice(); but where a retry
+/// runs into a limit, the best mesh before it is returned, with the limit's message as a warning.
 Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double thinnest_radius,
                                         bool creased, double tolerance,
                                         const ToleranceOptions& options = {});

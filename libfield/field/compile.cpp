@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 
+#include "libfield/base/check.h"
 #include "libfield/field/field.h"
 #include "libfield/field/make_term.h"
 #include "libfield/solid/make_solid.h"
@@ -156,6 +157,21 @@ class Compiler {
 };
 
 }  // namespace
+
+void MaterialBlend::blend(std::span<const Vec3d> points, std::span<const Vec3d> property,
+                          std::span<Vec3d> out) const {
+  require(points.size() == out.size(), "one result a point");
+  std::vector<MaterialShare> at_point;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    shares(points[i], at_point);
+    out[i] = {};
+    for (const MaterialShare& share : at_point) {
+      const auto material = static_cast<std::size_t>(share.material);
+      require(material < property.size(), "a share names a material without the property");
+      out[i] += share.share * property[material];
+    }
+  }
+}
 
 Result<CompiledScene> compile(const Scene& scene, const CompileOptions& options) {
   return Compiler(scene, options).run();

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,6 +24,10 @@ class MaterialBlend {
   virtual ~MaterialBlend() = default;
   /// Replaces `shares` by those of the point; never empty afterwards.
   virtual void shares(const Vec3d& point, std::vector<MaterialShare>& shares) const = 0;
+  /// A property of the materials at each point (4.12): the sum of property[material] weighted by
+  /// the shares. `out` is as long as `points`; `property` has every material of the part.
+  virtual void blend(std::span<const Vec3d> points, std::span<const Vec3d> property,
+                     std::span<Vec3d> out) const;
 };
 
 /// A part of the scene that is meshed on its own.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "libfield/field/term_bounds.h"
+
 namespace cs2mesh {
 namespace {
 
@@ -116,9 +118,8 @@ void Field::near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const
   }
 }
 
-void Field::jets(std::span<const Vec3d> points, std::span<Jet> out) const {
-  require(points.size() == out.size(), "one jet a point");
-  std::fill(out.begin(), out.end(), Jet{-kThreshold, {}});
+template <class Out>
+void Field::evaluate(std::span<const Vec3d> points, std::span<Out> out) const {
   const BlockLattice& lattice = data_->lattice;
   const auto add = [&](const std::vector<std::uint32_t>& list, std::size_t first, std::size_t n) {
     for (const std::uint32_t i : list) {
@@ -145,11 +146,16 @@ void Field::jets(std::span<const Vec3d> points, std::span<Jet> out) const {
   }
 }
 
+void Field::jets(std::span<const Vec3d> points, std::span<Jet> out) const {
+  require(points.size() == out.size(), "one jet a point");
+  std::fill(out.begin(), out.end(), Jet{-kThreshold, {}});
+  evaluate(points, out);
+}
+
 void Field::values(std::span<const Vec3d> points, std::span<double> out) const {
   require(points.size() == out.size(), "one value a point");
-  std::vector<Jet> jets_of(points.size());
-  jets(points, jets_of);
-  std::transform(jets_of.begin(), jets_of.end(), out.begin(), [](const Jet& j) { return j.value; });
+  std::fill(out.begin(), out.end(), -kThreshold);
+  evaluate(points, out);
 }
 
 void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
@@ -159,34 +165,25 @@ void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
 }
 
 Interval Field::enclose(const Aabb& box) const {
-  require(box.finite(), "enclose needs a finite box");
-  std::vector<std::uint32_t> list;
-  near_terms(box, list);
-  const double radius = 0.5 * box.diagonal() * (1 + 1e-15);
-  const Vec3d half = 0.5 * box.extent();
+  Interval range;
+  enclose_each({&box, 1}, {&range, 1});
+  return range;
+}
 
-  // Terms known by range add up as intervals, the others as one Taylor polynomial: gradients of
-  // neighbours cancel before they are bounded.
+void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const {
+  require(boxes.size() == out.size(), "one interval a box");
+  const BoxBatch batch(boxes);
+  require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
+  std::vector<std::uint32_t> list;
+  near_terms(batch.hull, list);
   // What far terms leave open together is small against T.
   const double negligible = 0.01 * kThreshold / static_cast<double>(data_->terms.size());
-  Interval ranges(-kThreshold);
-  Jet center;
-  double hessian = 0;
-  double rounding = 0;
-  for (const std::uint32_t i : list) {
-    const ValueBound b = value_bound(data_->terms[i], box, negligible);
-    if (b.taylor) {
-      center += b.center;
-      hessian += b.hessian;
-      rounding += b.rounding;
-    } else {
-      ranges = ranges + b.range;
-    }
+  std::vector<SumBound> sums(boxes.size());
+  for (const std::uint32_t i : list) add_bounds(data_->terms[i], batch, negligible, sums);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    out[i] = widened(range_of(sums[i], list.size(), boxes[i]) - Interval(kThreshold),
+                     data_->error_budget);
   }
-  const double slope = std::abs(center.gradient.x) * half.x + std::abs(center.gradient.y) * half.y +
-                       std::abs(center.gradient.z) * half.z;
-  const double deviation = (slope + 0.5 * hessian * radius * radius + rounding) * (1 + 1e-12);
-  return widened(ranges + Interval(center.value), deviation + data_->error_budget);
 }
 
 std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
@@ -231,6 +228,38 @@ std::unique_ptr<ImplicitSurface> Field::restrict_to(const Aabb& box) const {
       std::all_of(part->candidates_.begin(), part->candidates_.end(),
                   [&](std::uint32_t i) { return data_->reach.box(i).contains(blocks); });
   return part;
+}
+
+void Field::blend(std::span<const Vec3d> points, std::span<const Vec3d> property,
+                  std::span<Vec3d> out) const {
+  require(points.size() == out.size(), "one result a point");
+  Aabb around;
+  for (const Vec3d& p : points) around.include(p);
+  std::vector<std::uint32_t> list;
+  near_terms(around, list);
+  std::fill(out.begin(), out.end(), Vec3d{});
+  std::vector<double> total(points.size(), 0.0);
+  std::vector<double> values(points.size());
+  const auto property_of = [&](const Term& term) {
+    const auto material = static_cast<std::size_t>(term.material);
+    require(material < property.size(), "a term is of a material without the property");
+    return property[material];
+  };
+  for (const std::uint32_t i : list) {
+    const Term& term = data_->terms[i];
+    std::fill(values.begin(), values.end(), 0.0);
+    accumulate(term, points, std::span(values));
+    const Vec3d own = property_of(term);
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      const double share = std::max(values[k], 0.0);
+      out[k] += share * own;
+      total[k] += share;
+    }
+  }
+  const Vec3d fallback = property_of(data_->terms.front());
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    out[k] = total[k] > 0 ? out[k] / total[k] : fallback;
+  }
 }
 
 void Field::shares(const Vec3d& point, std::vector<MaterialShare>& shares) const {

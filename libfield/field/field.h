@@ -30,12 +30,16 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   void values(std::span<const Vec3d> points, std::span<double> out) const override;
   void jets(std::span<const Vec3d> points, std::span<Jet> out) const override;
   Interval enclose(const Aabb& box) const override;
+  void enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const override;
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
   double derivative_bound(int order, const Aabb& box) const override;
   Aabb bounds() const override;
   std::unique_ptr<ImplicitSurface> restrict_to(const Aabb& box) const override;
 
   void shares(const Vec3d& point, std::vector<MaterialShare>& shares) const override;
+  /// Points near each other cost less: the terms near all of them are found once.
+  void blend(std::span<const Vec3d> points, std::span<const Vec3d> property,
+             std::span<Vec3d> out) const override;
 
   /// F itself, T not subtracted and nothing left out.
   void full_jets(std::span<const Vec3d> points, std::span<Jet> out) const;
@@ -43,6 +47,8 @@ class Field final : public ImplicitSurface, public MaterialBlend {
 
  private:
   Field() = default;
+  template <class Out>
+  void evaluate(std::span<const Vec3d> points, std::span<Out> out) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
 
   std::shared_ptr<const FieldData> data_;

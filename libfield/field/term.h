@@ -9,7 +9,6 @@
 
 #include "libfield/base/aabb.h"
 #include "libfield/base/affine.h"
-#include "libfield/base/interval.h"
 #include "libfield/base/jet.h"
 #include "libfield/integral/frames.h"
 #include "libfield/kernel/kernel.h"
@@ -38,26 +37,8 @@ struct Term {
 
 /// Adds f and its gradient at each point to `sums`.
 void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> sums);
-
-/// What is known of f over a box, rounding of its evaluation included. With p0 the box's centre,
-/// either `taylor` is set and
-///   |f(p) - f0 - g0.(p - p0)| <= 1/2 hessian |p - p0|^2 + rounding, hessian >= |D^2 f| on the box;
-/// or f lies in `range`, which was found to be no wider.
-struct ValueBound {
-  bool taylor = false;
-  Interval range;
-  Jet center;             ///< f0 and g0, where taylor is set
-  double hessian = 0.0;   ///< where taylor is set
-  double rounding = 0.0;  ///< of f0 against f(p0)
-};
-/// A range of a width up to `negligible` is taken as it is: nothing tighter is looked for.
-ValueBound value_bound(const Term& term, const Aabb& box, double negligible = 0.0);
-
-/// Each component of the gradient of f lies in its interval, at every point of the box.
-std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box);
-
-/// >= |D^2 f| on the box; infinite where there is no bound, as where a profile is not constant.
-double hessian_bound(const Term& term, const Aabb& box);
+/// Adds f alone, which costs less; the same bits.
+void accumulate(const Term& term, std::span<const Vec3d> points, std::span<double> sums);
 
 /// An upper bound of |f| at every point at least `distance` from the primitive's box.
 double magnitude_bound(const Term& term, double distance);

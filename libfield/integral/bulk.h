@@ -2,7 +2,7 @@
 // that the machine has. The result at a point is the same bits whatever the instructions and the
 // points beside it.
 //
-// To add a pair that has a closed form for every number type: its line in BulkTable, its entry in
+// To add a pair that has a closed form for every number type: its line in BulkRow, its entry in
 // bulk_pack.h.
 #pragma once
 
@@ -15,19 +15,55 @@
 #include "libfield/kernel/cauchy.h"
 #include "libfield/kernel/gaussian.h"
 #include "libfield/primitive/point.h"
+#include "libfield/profile/profile.h"
 #include "libfield/simd/isa.h"
 
 namespace cs2mesh {
 
-/// Adds sign * integral(kernel, frame, points[i]) to sums[i] for i < count.
-template <class K, class F>
+/// Adds sign * integral(kernel, frame, points[i]) to sums[i] for i < count; where `Out` is double,
+/// the value alone.
+template <class K, class F, class Out>
 using AddIntegrals = void (*)(const K& kernel, const F& frame, double sign, const Vec3d* points,
-                              Jet* sums, std::size_t count);
+                              Out* sums, std::size_t count);
 
-using BulkTable =
-    std::tuple<AddIntegrals<Cauchy, Point>, AddIntegrals<Cauchy, SegmentFrame<double>>,
-               AddIntegrals<Cauchy, ArcFrame<double>>, AddIntegrals<Gaussian, Point>,
-               AddIntegrals<Gaussian, SegmentFrame<double>>>;
+template <class Out>
+using BulkRow =
+    std::tuple<AddIntegrals<Cauchy, Point, Out>, AddIntegrals<Cauchy, SegmentFrame<double>, Out>,
+               AddIntegrals<Cauchy, ArcFrame<double>, Out>, AddIntegrals<Gaussian, Point, Out>,
+               AddIntegrals<Gaussian, SegmentFrame<double>, Out>>;
+
+/// weights[i] = weight(profile, frame, points[i]) for i < count; where `Out` is double, w alone.
+template <class F, class Out>
+using FindWeights = void (*)(const StrengthProfile& profile, const F& frame, const Vec3d* points,
+                             Out* weights, std::size_t count);
+template <class Out>
+using BulkWeights =
+    std::tuple<FindWeights<SegmentFrame<double>, Out>, FindWeights<ArcFrame<double>, Out>>;
+
+/// Values alone cost less; they are the same bits.
+struct BulkTable {
+  BulkRow<Jet> jets;
+  BulkRow<double> values;
+  BulkWeights<Jet> weight_jets;
+  BulkWeights<double> weights;
+
+  template <class Out>
+  const BulkRow<Out>& row() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return values;
+    } else {
+      return jets;
+    }
+  }
+  template <class Out>
+  const BulkWeights<Out>& weight_row() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return weights;
+    } else {
+      return weight_jets;
+    }
+  }
+};
 
 /// From this many points on the table is faster than integral(), which gives the same bits.
 inline constexpr std::size_t kBulkCount = 4;
@@ -36,7 +72,7 @@ inline constexpr std::size_t kBulkCount = 4;
 const BulkTable& bulk_table();
 
 namespace detail {
-template <class Entry, class Table>
+template <class Entry, class Row>
 inline constexpr bool kHolds = false;
 template <class Entry, class... Entries>
 inline constexpr bool kHolds<Entry, std::tuple<Entries...>> = (std::is_same_v<Entry, Entries> ||
@@ -44,7 +80,9 @@ inline constexpr bool kHolds<Entry, std::tuple<Entries...>> = (std::is_same_v<En
 }  // namespace detail
 
 /// Whether the table has that pair.
+template <class F>
+inline constexpr bool kHasBulkWeights = detail::kHolds<FindWeights<F, Jet>, BulkWeights<Jet>>;
 template <class K, class F>
-inline constexpr bool kHasBulk = detail::kHolds<AddIntegrals<K, F>, BulkTable>;
+inline constexpr bool kHasBulk = detail::kHolds<AddIntegrals<K, F, Jet>, BulkRow<Jet>>;
 
 }  // namespace cs2mesh

@@ -6,6 +6,7 @@
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/point.h"
+#include "libfield/profile/along.h"
 #include "libfield/simd/twice.h"
 
 namespace cs2mesh::detail {
@@ -19,6 +20,10 @@ struct BulkPack {
     const Vec3<Pack<N>> a = cs2mesh::load<N>(points), b = cs2mesh::load<N>(points + N);
     return {{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
   }
+  static void add_to(const JetOf<T>& jet, double* sums) {
+    cs2mesh::add_to<N>(jet.value.first, sums);
+    cs2mesh::add_to<N>(jet.value.second, sums + N);
+  }
   static void add_to(const JetOf<T>& jet, Jet* sums) {
     const Vec3<T>& g = jet.gradient;
     cs2mesh::add_to<N>({jet.value.first, {g.x.first, g.y.first, g.z.first}}, sums);
@@ -29,34 +34,60 @@ struct BulkPack {
   static SegmentFrame<T> in_lanes(const SegmentFrame<double>& f) { return SegmentFrame<T>(f); }
   static ArcFrame<T> in_lanes(const ArcFrame<double>& f) { return ArcFrame<T>(f); }
 
-  /// Flattened: no call remains that another unit could serve.
-  template <class K, class F>
-  [[gnu::flatten]] static void add(const K& kernel, const F& frame, double sign,
-                                   const Vec3d* points, Jet* sums, std::size_t count) {
-    const auto lanes = in_lanes(frame);
+  /// Adds f(p) for each of the points. Flattened: no call remains that another unit could serve,
+  /// and nothing is computed for a gradient that is not asked for.
+  template <class Out, class Formula>
+  [[gnu::flatten]] static void add_each(const Vec3d* points, Out* sums, std::size_t count,
+                                        const Formula& formula) {
     // The last point stands in for those that a pack lacks.
     Vec3d padded[kLanes];
-    Jet padded_sums[kLanes];
+    Out padded_sums[kLanes];
     for (std::size_t i = 0; i < count; i += kLanes) {
       const std::size_t left = count - i;
       const Vec3d* from = points + i;
-      Jet* to = sums + i;
+      Out* to = sums + i;
       if (left < kLanes) {
         for (std::size_t k = 0; k < kLanes; ++k) padded[k] = from[k < left ? k : left - 1];
         from = padded;
         for (std::size_t k = 0; k < left; ++k) padded_sums[k] = to[k];
         to = padded_sums;
       }
-      add_to(T(sign) * integral(kernel, lanes, load(from)), to);
+      add_to(formula(load(from)), to);
       if (left < kLanes) {
         for (std::size_t k = 0; k < left; ++k) sums[i + k] = padded_sums[k];
       }
     }
   }
 
+  template <class K, class F, class Out>
+  [[gnu::flatten]] static void add(const K& kernel, const F& frame, double sign,
+                                   const Vec3d* points, Out* sums, std::size_t count) {
+    const auto lanes = in_lanes(frame);
+    add_each(points, sums, count,
+             [&](const Vec3<T>& p) { return T(sign) * integral(kernel, lanes, p); });
+  }
+
+  template <class F, class Out>
+  [[gnu::flatten]] static void find_weights(const StrengthProfile& profile, const F& frame,
+                                            const Vec3d* points, Out* weights, std::size_t count) {
+    const auto lanes = in_lanes(frame);
+    for (std::size_t i = 0; i < count; ++i) weights[i] = Out{};
+    add_each(points, weights, count,
+             [&](const Vec3<T>& p) { return weight<T>(profile, lanes, p); });
+  }
+
+  template <class Out>
+  static consteval BulkRow<Out> row() {
+    return {&add<Cauchy, Point, Out>, &add<Cauchy, SegmentFrame<double>, Out>,
+            &add<Cauchy, ArcFrame<double>, Out>, &add<Gaussian, Point, Out>,
+            &add<Gaussian, SegmentFrame<double>, Out>};
+  }
+  template <class Out>
+  static consteval BulkWeights<Out> weights() {
+    return {&find_weights<SegmentFrame<double>, Out>, &find_weights<ArcFrame<double>, Out>};
+  }
   static consteval BulkTable table() {
-    return {&add<Cauchy, Point>, &add<Cauchy, SegmentFrame<double>>, &add<Cauchy, ArcFrame<double>>,
-            &add<Gaussian, Point>, &add<Gaussian, SegmentFrame<double>>};
+    return {row<Jet>(), row<double>(), weights<Jet>(), weights<double>()};
   }
 };
 

@@ -54,10 +54,11 @@ template <class T>
 struct ArcPowers {
   T j1{}, j2{}, j3{};  ///< the Jk
   T k1{}, k2{};        ///< K1, K2
+  T iq{};              ///< 1 / q
 
   friend ArcPowers select(const MaskOf<T>& mask, const ArcPowers& yes, const ArcPowers& no) {
     return {select(mask, yes.j1, no.j1), select(mask, yes.j2, no.j2), select(mask, yes.j3, no.j3),
-            select(mask, yes.k1, no.k1), select(mask, yes.k2, no.k2)};
+            select(mask, yes.k1, no.k1), select(mask, yes.k2, no.k2), select(mask, yes.iq, no.iq)};
   }
 };
 
@@ -68,9 +69,9 @@ ArcPoint<T> arc_point(const ArcFrame<T>& arc, const Vec3<T>& d) {
   at.rho = sqrt(at.x * at.x + at.y * at.y);
   // On the axis any azimuth will do.
   const auto off_axis = at.rho > T(0);
-  const T divisor = select(off_axis, at.rho, T(1));
-  at.cos_alpha = select(off_axis, T(at.x / divisor), T(1));
-  at.sin_alpha = select(off_axis, T(at.y / divisor), T(0));
+  const T inverse = T(1) / select(off_axis, at.rho, T(1));
+  at.cos_alpha = select(off_axis, T(at.x * inverse), T(1));
+  at.sin_alpha = select(off_axis, T(at.y * inverse), T(0));
   return at;
 }
 
@@ -96,7 +97,8 @@ ArcPowers<T> arc_closed(const ArcFrame<T>& arc, const T& m, const T& q, const Ar
   using std::sqrt;
   ArcPowers<T> out;
   const T root = sqrt(m * q);
-  const T im = T(1) / m, iq = T(1) / q;
+  const auto [im, iq] = Reciprocals<T>(m, q);
+  out.iq = iq;
   const T a1 = e1.sine * e1.cosine * e1.w, a2 = e2.sine * e2.cosine * e2.w;
   const T rise1 = a2 - a1;  // of tau / V
   const T rise2 = a2 * (e2.cosine * e2.cosine) * e2.w - a1 * (e1.cosine * e1.cosine) * e1.w;
@@ -115,6 +117,7 @@ template <class T>
 ArcPowers<T> arc_tail(const T& m, const T& q, const ArcEnd<T>& near, const ArcEnd<T>& far) {
   ArcPowers<T> out;
   const T iq = T(1) / q;
+  out.iq = iq;
   const T cot1 = near.cosine / near.sine, cot2 = far.cosine / far.sine;
   const T y1 = cot1 * cot1, y2 = cot2 * cot2;
   const T ratio = m * iq;
@@ -143,8 +146,10 @@ JetOf<T> arc_nodes(const ArcFrame<T>& arc, const std::array<double, N>& x,
     const T dx = at.x - arc.radius * T(x[i]);
     const T up = at.y - arc.radius * T(y[i]);
     const T down = at.y + arc.radius * T(y[i]);
-    upper[i] = T(1) / (across + s2 * (dx * dx + up * up));
-    lower[i] = T(1) / (across + s2 * (dx * dx + down * down));
+    const Reciprocals<T> w(across + s2 * (dx * dx + up * up),
+                           across + s2 * (dx * dx + down * down));
+    upper[i] = w.of_a;
+    lower[i] = w.of_b;
   }
   T second(0), third(0), third_x(0), third_y(0);
   for (std::size_t i = 0; i < N; ++i) {
@@ -165,9 +170,9 @@ JetOf<T> arc_nodes(const ArcFrame<T>& arc, const std::array<double, N>& x,
 /// Value and gradient of the unit kernel from the Jk.
 template <class T>
 JetOf<T> arc_jet(const ArcFrame<T>& arc, const ArcPoint<T>& at, const ArcPowers<T>& power,
-                 const T& s2, const T& gap, const T& q, const T& w1, const T& w2) {
+                 const T& s2, const T& gap, const T& w1, const T& w2) {
   const T c = arc.radius;
-  const T two_over_q = T(2) / q;
+  const T two_over_q = T(2) * power.iq;
   const T second = two_over_q * (power.j1 + gap * power.j2);
   const T third =
       T(0.5) * two_over_q * two_over_q * (power.j1 + gap * (T(2) * power.j2 + gap * power.j3));
@@ -207,15 +212,16 @@ JetOf<T> unit_cauchy_arc(const T& s, const ArcFrame<T>& arc, const Vec3<T>& d) {
   std::array<ArcEnd<T>, 2> end = arc_ends(arc, at);
   const T v1 = m + gap * (end[0].sine * end[0].sine);
   const T v2 = m + gap * (end[1].sine * end[1].sine);
-  end[0].w = T(1) / v1;
-  end[1].w = T(1) / v2;
+  const Reciprocals<T> w(v1, v2);
+  end[0].w = w.of_a;
+  end[1].w = w.of_b;
   MaskOf<T> behind(false);
   if constexpr (kIsDouble<T>) {
     // The chord form of the pole rule, with a margin of 2.5 : 2.2 for its distortion.
-    const T reach = v1 + v2 + T(2) * sqrt(v1 * v2);
-    const bool done =
-        jets.take((arc.sweep < T(1.6)) & (reach > T(1.5625) * arc.sweep * arc.sweep * gap),
-                  [&] { return arc_nodes(arc, arc.node14_x, arc.node14_y, at, s2); });
+    const T rest = T(1.5625) * arc.sweep * arc.sweep * gap - (v1 + v2);
+    const auto far = (rest < T(0)) | (rest * rest < T(4) * (v1 * v2));
+    const bool done = jets.take((arc.sweep < T(1.6)) & far,
+                                [&] { return arc_nodes(arc, arc.node14_x, arc.node14_y, at, s2); });
     if (done) return jets.result();
     const T sine = end[1].sine, cosine = end[1].cosine;
     behind = (sine < T(0)) & (m * (cosine * cosine) <= T(kTailReach) * (q * (sine * sine)));
@@ -231,7 +237,7 @@ JetOf<T> unit_cauchy_arc(const T& s, const ArcFrame<T>& arc, const Vec3<T>& d) {
     }
     const ArcPowers<T> all =
         powers.otherwise([&] { return arc_closed(arc, m, q, end[0], end[1]); });
-    return arc_jet(arc, at, all, s2, gap, q, end[0].w, end[1].w);
+    return arc_jet(arc, at, all, s2, gap, end[0].w, end[1].w);
   });
 }
 

@@ -59,9 +59,14 @@ CauchyLine<T> cauchy_line_nodes(const T& s2, const T& t1, const T& length, const
   constexpr const UnitRule<N>& rule = kUnitRule<N>;
   // Separate loops: the divisions are independent and overlap.
   std::array<T, N> w;
-  for (std::size_t i = 0; i < N; ++i) {
+  const auto v = [&](std::size_t i) {
     const T t = t1 + length * T(rule.node[i]);
-    w[i] = T(1) / (p + s2 * (t * t));
+    return T(p + s2 * (t * t));
+  };
+  for (std::size_t i = 0; i < N; i += 2) {
+    const Reciprocals<T> two(v(i), v(i + 1));
+    w[i] = two.of_a;
+    w[i + 1] = two.of_b;
   }
   std::array<T, 2> j1{}, j2{}, j3{};
   for (std::size_t i = 0; i < N; i += 2) {
@@ -84,8 +89,9 @@ CauchyLine<T> cauchy_line_closed(const T& s, const T& t1, const T& t2, const T& 
   CauchyLine<T> out;
   const T product = s * t1 * (s * t2);
   const T root = s * sqrt(p);
-  const T half = T(0.5) / p;
-  out.j1 = vmath::atan2(T(root * length), T(p + product)) / root;
+  const auto [inverse_root, inverse_p] = Reciprocals<T>(root, p);
+  const T half = T(0.5) * inverse_p;
+  out.j1 = vmath::atan2(T(root * length), T(p + product)) * inverse_root;
   out.j2 = (out.j1 + length * (p - product) * (w1 * w2)) * half;
   out.j3 = (T(3) * out.j2 + (t2 * (w2 * w2) - t1 * (w1 * w1))) * (T(0.5) * half);
   return out;
@@ -121,11 +127,11 @@ CauchyLine<T> cauchy_line(const T& s, const T& t1, const T& t2, const T& length,
   const T p = T(1) + s2 * c2;
   const T v1 = p + s2 * (t1 * t1);
   const T v2 = p + s2 * (t2 * t2);
-  const T w1 = T(1) / v1;
-  const T w2 = T(1) / v2;
+  const auto [w1, w2] = Reciprocals<T>(v1, v2);
   const auto closed = [&] { return cauchy_line_closed(s, t1, t2, length, p, w1, w2); };
   CauchyLine<T> out;
   if constexpr (kIsDouble<T>) {
+    // The squared sum of the distances of the ends to the poles.
     const T reach = v1 + v2 + T(2) * sqrt(v1 * v2);
     const T scale = s2 * (length * length);
     const T near = min(abs(t1), abs(t2)), far = max(abs(t1), abs(t2));

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "libfield/profile/along.h"
 
 namespace cs2mesh {
 
@@ -14,51 +15,6 @@ std::optional<ProfileFunction> profile_function_of(std::string_view name) {
 }
 
 namespace {
-
-constexpr double kPi = std::numbers::pi;
-
-struct Derived {
-  double value, slope;
-};
-
-// sin and cos of pi x, reduced first: x may be large, its fraction is exact.
-Derived sin_pi(double x) {
-  const double t = std::remainder(x, 2.0);
-  return {std::sin(kPi * t), kPi * std::cos(kPi * t)};
-}
-Derived cos_pi(double x) {
-  const double t = std::remainder(x, 2.0);
-  return {std::cos(kPi * t), -kPi * std::sin(kPi * t)};
-}
-
-Derived evaluate(ProfileFunction function, double x) {
-  const double part = x - std::floor(x);
-  switch (function) {
-    case ProfileFunction::one:
-      return {1.0, 0.0};
-    case ProfileFunction::x:
-      return {x, 1.0};
-    case ProfileFunction::saw:
-      return {part, 1.0};
-    case ProfileFunction::hat:
-      return {1.0 - std::abs(2.0 * part - 1.0), part < 0.5 ? 2.0 : -2.0};
-    case ProfileFunction::step:
-      return {part < 0.5 ? 0.0 : 1.0, 0.0};
-    case ProfileFunction::sin:
-      return sin_pi(x);
-    case ProfileFunction::cos:
-      return cos_pi(x);
-    case ProfileFunction::sin_squared: {
-      const Derived s = sin_pi(x);
-      return {s.value * s.value, 2.0 * s.value * s.slope};
-    }
-    case ProfileFunction::cos_squared: {
-      const Derived c = cos_pi(x);
-      return {c.value * c.value, 2.0 * c.value * c.slope};
-    }
-  }
-  return {1.0, 0.0};
-}
 
 // Whether some offset + k * period, k an integer, lies in x, or within rounding of it.
 bool meets(const Interval& x, double offset, double period) {
@@ -85,7 +41,8 @@ Interval range_of(ProfileFunction function) {
 // The hull of the values at the ends and of those the function takes or approaches between.
 Interval enclose(ProfileFunction function, const Interval& x) {
   if (!std::isfinite(x.lo) || !std::isfinite(x.hi)) return range_of(function);
-  Interval range = hull(evaluate(function, x.lo).value, evaluate(function, x.hi).value);
+  Interval range =
+      hull(profile_function(function, x.lo).value, profile_function(function, x.hi).value);
   const auto include_at = [&](double offset, double period, double value) {
     if (meets(x, offset, period)) range = hull(range, value);
   };
@@ -123,8 +80,8 @@ Interval enclose(ProfileFunction function, const Interval& x) {
 }  // namespace
 
 ProfileValue evaluate(const StrengthProfile& profile, double u, double v) {
-  const Derived fu = evaluate(profile.along_u, profile.scale_u * u + profile.translate_u);
-  const Derived fv = evaluate(profile.along_v, profile.scale_v * v + profile.translate_v);
+  const auto fu = profile_function(profile.along_u, profile.scale_u * u + profile.translate_u);
+  const auto fv = profile_function(profile.along_v, profile.scale_v * v + profile.translate_v);
   const double w = profile.times * fu.value * fv.value;
   if (w < profile.lower) return {profile.lower, 0.0, 0.0};
   if (w > profile.upper) return {profile.upper, 0.0, 0.0};
@@ -142,6 +99,12 @@ Interval enclose(const StrengthProfile& profile, const Interval& u, const Interv
     return w < profile.lower ? profile.lower : std::min(w, profile.upper);
   };
   return hull(clamp(product.lo), clamp(product.hi));
+}
+
+Interval enclose(std::span<const StrengthProfile> profiles, const Interval& u, const Interval& v) {
+  Interval all(1.0);
+  for (const StrengthProfile& profile : profiles) all = all * enclose(profile, u, v);
+  return all;
 }
 
 bool has_corners(const StrengthProfile& profile) {

@@ -5,6 +5,7 @@
 #include <array>
 #include <limits>
 #include <optional>
+#include <span>
 #include <string_view>
 
 #include "libfield/base/interval.h"
@@ -41,5 +42,7 @@ bool has_corners(const StrengthProfile& profile);
 
 /// Contains w(u, v) for all u, v in the intervals.
 Interval enclose(const StrengthProfile& profile, const Interval& u, const Interval& v);
+/// As much of the product of all.
+Interval enclose(std::span<const StrengthProfile> profiles, const Interval& u, const Interval& v);
 
 }  // namespace cs2mesh

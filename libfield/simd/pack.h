@@ -214,6 +214,12 @@ Vec3<Pack<N>> load(const Vec3d* vectors) {
           detail::every_third<N, 2>(rows)};
 }
 
+/// Adds the number in each lane to one of N sums.
+template <int N>
+void add_to(const Pack<N>& value, double* sums) {
+  reinterpret_cast<typename detail::LaneVectors<N>::Stored*>(sums)->lane += value.lane;
+}
+
 /// Adds the jet of each lane to one of N sums.
 template <int N>
 void add_to(const JetOf<Pack<N>>& jet, Jet* sums) {

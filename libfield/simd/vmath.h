@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "libfield/integral/special.h"
 #include "libfield/simd/lanes.h"
@@ -108,6 +109,55 @@ T atan2(const T& y, const T& x) {
     using std::atan2;
     return atan2(y, x);
   }
+}
+
+/// The greatest integer <= x; x itself from 2^51 on, where few fractions are left.
+template <class T>
+T floor(const T& x) {
+  using std::abs;
+  const T nearest = (x + T(kRounder)) - T(kRounder);
+  const T below = nearest - select(x < nearest, T(1), T(0));
+  return select(abs(x) < T(0x1p51), below, x);
+}
+
+namespace detail {
+
+/// (-1)^k pi^n / n!, n = 2k + 1 or 2k: sin and cos of pi z for |z| <= 1/4 to 1e-19.
+template <int Odd>
+consteval std::array<double, 8> circular() {
+  std::array<double, 8> c{};
+  long double term = Odd != 0 ? std::numbers::pi_v<long double> : 1.0L;
+  for (std::size_t k = 0; k < c.size(); ++k) {
+    c[k] = static_cast<double>(term);
+    const long double n = 2.0L * static_cast<long double>(k) + (Odd != 0 ? 2.0L : 1.0L);
+    term *= -std::numbers::pi_v<long double> * std::numbers::pi_v<long double> / (n * (n + 1.0L));
+  }
+  return c;
+}
+inline constexpr std::array<double, 8> kSine = circular<1>(), kCosine = circular<0>();
+
+}  // namespace detail
+
+template <class T>
+struct SineCosine {
+  T sine, cosine;
+};
+
+/// sin and cos of pi x, within 2e-16; those of 0 from 2^50 on, where few fractions are left.
+template <class T>
+SineCosine<T> sin_cos_pi(const T& x) {
+  using std::abs;
+  // x = quarters / 2 + z, exactly.
+  const T known = select(abs(x) < T(0x1p50), x, T(0));
+  const T quarters = (T(2) * known + T(kRounder)) - T(kRounder);
+  const T z = known - T(0.5) * quarters;
+  const T sine = z * polynomial(detail::kSine, T(z * z));
+  const T cosine = polynomial(detail::kCosine, T(z * z));
+  const T turned = quarters - T(4) * floor(T(T(0.25) * quarters));  // 0, 1, 2, 3
+  const auto swapped = ((T(0.5) < turned) & (turned < T(1.5))) | (T(2.5) < turned);
+  const auto left = (T(0.5) < turned) & (turned < T(2.5));
+  const T s = select(swapped, cosine, sine), c = select(swapped, sine, cosine);
+  return {select(T(1.5) < turned, T(-s), s), select(left, T(-c), c)};
 }
 
 }  // namespace cs2mesh::vmath

@@ -84,13 +84,13 @@ TEST(Bulk, AddsToWhatIsThereAndLeavesTheRestAlone) {
     const double field = 1.0 / (1.25 * 1.25);
     for (std::size_t i = 0; i < 13; ++i) EXPECT_DOUBLE_EQ(sums[i].value, 1.0 + field);
     EXPECT_EQ(sums[13].value, 1.0);
-    accumulate(less, points, {sums.data(), 13});
+    accumulate(less, points, std::span(sums.data(), 13));
     for (const Jet& sum : sums) {
       EXPECT_DOUBLE_EQ(sum.value, 1.0);
       EXPECT_DOUBLE_EQ(sum.gradient.x, 1.0);
       EXPECT_EQ(sum.gradient.z, 3.0);
     }
-    accumulate(term, {}, {});
+    accumulate(term, {}, std::span<Jet>());
   });
 }
 

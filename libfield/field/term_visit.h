@@ -1,0 +1,96 @@
+// How the sources of terms look into them: each kernel with each primitive, one at a time.
+#pragma once
+
+#include <span>
+#include <type_traits>
+#include <utility>
+
+#include "libfield/base/check.h"
+#include "libfield/field/term.h"
+#include "libfield/integral/bulk.h"
+#include "libfield/integral/integral.h"
+
+namespace cs2mesh {
+
+/// Calls f(kernel, primitive) with the alternatives held, but for the pairs that diverge, which
+/// compile() never lets through.
+template <class F>
+auto visit_pair(const Term& term, F&& f) {
+  return std::visit(
+      [&f](const auto& kernel, const auto& primitive) {
+        using K = std::decay_t<decltype(kernel)>;
+        using P = std::decay_t<decltype(primitive)>;
+        constexpr bool kDiverges =
+            std::is_same_v<P, Plane> && (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>);
+        if constexpr (kDiverges) {
+          require(false, "an inverse kernel diverges on a plane");
+          return f(Cauchy{1.0}, primitive);
+        } else {
+          return f(kernel, primitive);
+        }
+      },
+      term.kernel, term.primitive);
+}
+
+/// The alternative of Frame for a primitive.
+template <class P>
+struct FrameTypeOf {
+  using type = P;
+};
+template <>
+struct FrameTypeOf<Segment> {
+  using type = SegmentFrame<double>;
+};
+template <>
+struct FrameTypeOf<Arc> {
+  using type = ArcFrame<double>;
+};
+template <>
+struct FrameTypeOf<Triangle> {
+  using type = TriangleFrame<double>;
+};
+
+/// The integral at a point, from the frame where the pair has a closed form that uses it.
+template <class K, class P>
+Jet integral_of(const Term& term, const K& kernel, const P& primitive, const Vec3d& local) {
+  const auto& frame = std::get<typename FrameTypeOf<P>::type>(term.frame);
+  if constexpr (requires { integral(kernel, frame, local); }) {
+    return integral(kernel, frame, local);
+  } else {
+    return integral(kernel, primitive, local);
+  }
+}
+
+/// What a sum of Out takes of a jet.
+template <class Out>
+Out part_of(const Jet& jet) {
+  if constexpr (std::is_same_v<Out, double>) {
+    return jet.value;
+  } else {
+    return jet;
+  }
+}
+
+/// Adds sign * integral at each point: jets, or values alone.
+template <class K, class P, class Out>
+void add_integrals(const Term& term, const K& kernel, const P& primitive, double sign,
+                   std::span<const Vec3d> points, std::span<Out> sums) {
+  using F = typename FrameTypeOf<P>::type;
+  if constexpr (kHasBulk<K, F>) {
+    if (points.size() >= kBulkCount) {
+      const auto add = std::get<AddIntegrals<K, F, Out>>(bulk_table().row<Out>());
+      add(kernel, std::get<F>(term.frame), sign, points.data(), sums.data(), points.size());
+      return;
+    }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    sums[i] += sign * part_of<Out>(integral_of(term, kernel, primitive, points[i]));
+  }
+}
+
+/// A gradient in the coordinates of the primitive as one in those of the scene.
+inline Vec3d to_world_gradient(const Term& term, const Vec3d& local) {
+  return term.to_local ? transpose(term.to_local->linear) * local : local;
+}
+
+}  // namespace cs2mesh

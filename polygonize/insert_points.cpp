@@ -1,0 +1,116 @@
+#include "polygonize/insert_points.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "polygonize/editable_mesh.h"
+
+namespace cs2mesh {
+namespace {
+
+using Index = TriangleMesh::Index;
+
+/// The cosine between the normals of two triangles from which they count as folded.
+constexpr double kSharpest = -0.97;
+/// The least barycentric weight of a tent's foot; below it the tent stands on an edge.
+constexpr double kLeastWeight = 0.15;
+
+class Inserter {
+ public:
+  explicit Inserter(TriangleMesh mesh)
+      : mesh_(std::move(mesh)), changed_(mesh_.mesh().triangles.size(), 0) {}
+
+  bool insert(const LostPoint& lost) {
+    if (changed_[lost.triangle] != 0) return false;
+    const std::array<double, 3> weight = barycentric(lost.triangle, lost.on_mesh);
+    const auto least =
+        static_cast<std::size_t>(std::min_element(weight.begin(), weight.end()) - weight.begin());
+    if (weight[least] >= kLeastWeight) return on_triangle(lost.triangle, lost.on_surface);
+    // The edge opposite to the corner of the least weight.
+    return on_edge(static_cast<HalfEdge>(3 * lost.triangle + (least + 1) % 3), lost.on_surface);
+  }
+  TriangleMesh take() { return mesh_.take(); }
+
+ private:
+  const TriangleMesh& mesh() const { return mesh_.mesh(); }
+
+  std::array<Vec3d, 3> corners(std::size_t t) const {
+    const auto& [a, b, c] = mesh().triangles[t];
+    return {mesh().positions[a], mesh().positions[b], mesh().positions[c]};
+  }
+
+  /// Weights of the foot of p in the plane of a triangle, moved into it.
+  std::array<double, 3> barycentric(std::size_t t, const Vec3d& p) const {
+    const auto [a, b, c] = corners(t);
+    const Vec3d n = cross(b - a, c - a);
+    std::array<double, 3> w{dot(n, cross(c - b, p - b)), dot(n, cross(a - c, p - c)),
+                            dot(n, cross(b - a, p - a))};
+    double sum = 0;
+    for (double& x : w) sum += x = std::max(x, 0.0);
+    for (double& x : w) x = sum > 0 ? x / sum : 1.0 / 3;
+    return w;
+  }
+
+  Vec3d normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) const { return cross(b - a, c - a); }
+  Vec3d normal_beyond(HalfEdge h) const {
+    const auto [a, b, c] = corners(triangle_of(mesh_.opposite(h)));
+    return normal(a, b, c);
+  }
+  static bool folded(const Vec3d& a, const Vec3d& b) {
+    return !(dot(a, b) > kSharpest * norm(a) * norm(b));
+  }
+
+  /// Whether a tent from `apex` over a ring of half-edges would be folded.
+  bool would_fold(std::span<const HalfEdge> ring, const Vec3d& apex) const {
+    std::vector<Vec3d> sides;
+    for (const HalfEdge h : ring) {
+      sides.push_back(
+          normal(mesh().positions[start_of(mesh(), h)], mesh().positions[end_of(mesh(), h)], apex));
+      if (folded(sides.back(), normal_beyond(h))) return true;
+    }
+    for (std::size_t i = 0; i < sides.size(); ++i) {
+      if (folded(sides[i], sides[(i + 1) % sides.size()])) return true;
+    }
+    return false;
+  }
+
+  bool on_triangle(std::size_t t, const Vec3d& apex) {
+    const auto h = static_cast<HalfEdge>(3 * t);
+    if (would_fold(std::array{h, h + 1, h + 2}, apex)) return false;
+    mesh_.split_triangle(t, apex);
+    changed_[t] = 1;
+    return true;
+  }
+
+  bool on_edge(HalfEdge h, const Vec3d& apex) {
+    const HalfEdge o = mesh_.opposite(h);
+    const std::size_t other = triangle_of(o);
+    if (other >= changed_.size() || changed_[other] != 0) return false;
+    const auto left = [](HalfEdge e) { return next_in_triangle(next_in_triangle(e)); };
+    if (would_fold(std::array{next_in_triangle(h), left(h), next_in_triangle(o), left(o)}, apex)) {
+      return false;
+    }
+    mesh_.split_edge(h, apex);
+    changed_[triangle_of(h)] = changed_[other] = 1;
+    return true;
+  }
+
+  EditableMesh mesh_;
+  std::vector<char> changed_;  ///< by original triangle
+};
+
+}  // namespace
+
+std::size_t insert_points(TriangleMesh& mesh, std::span<const LostPoint> points) {
+  std::vector<LostPoint> order(points.begin(), points.end());
+  std::stable_sort(order.begin(), order.end(),
+                   [](const LostPoint& a, const LostPoint& b) { return a.distance > b.distance; });
+  Inserter inserter(std::move(mesh));
+  std::size_t count = 0;
+  for (const LostPoint& lost : order) count += inserter.insert(lost) ? 1 : 0;
+  mesh = inserter.take();
+  return count;
+}
+
+}  // namespace cs2mesh

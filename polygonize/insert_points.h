@@ -1,0 +1,20 @@
+// Points of the surface that a mesh misses, made vertices of it.
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "polygonize/surface_watch.h"
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+/// Joins points of the surface to the triangles that miss them, the farthest first, as tents over
+/// the triangle or over one of its edges. A point is left out where another has been joined to the
+/// same triangle, and where its tent would be folded onto a neighbour. The mesh stays closed,
+/// oriented and 2-manifold. Returns the number of points joined.
+///
+/// Not promised: that tents do not run into other parts of the mesh.
+std::size_t insert_points(TriangleMesh& mesh, std::span<const LostPoint> points);
+
+}  // namespace cs2mesh

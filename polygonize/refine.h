@@ -1,0 +1,50 @@
+// Local refinement of a mesh against its surface: edges are split where the mesh is too far away,
+// and the new vertices put on the surface.
+//
+// Each round looks at one point of every new triangle, where one with its corners on a sphere is
+// farthest from it, and at more where that is in doubt. The longest edge of each triangle that is
+// too far there is split, and with an edge the longest edge of each triangle at it (Rivara 1984),
+// which keeps angles from shrinking. An edge is split for both of its triangles, so the mesh stays
+// closed, oriented and 2-manifold.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "libfield/base/progress.h"
+#include "libfield/field/implicit_surface.h"
+#include "polygonize/surface_watch.h"
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+struct RefineOptions {
+  double tolerance = 0.0;  ///< scene units, > 0
+  int most_rounds = 10;
+  /// Triangles without a vertex of this number or above are known to be near enough.
+  TriangleMesh::Index first_new = 0;
+  std::size_t max_triangles = 50'000'000;  ///< no round begins above
+  Progress* progress = nullptr;            ///< cancelled: what is done so far is returned
+};
+
+struct RefineStatistics {
+  int rounds = 0;
+  std::size_t splits = 0;
+  /// Edges that were too far away but kept, since the mesh would have been folded there, or since
+  /// no surface was found within their length of their middle.
+  std::size_t kept = 0;
+  /// The triangles that are too far for all that.
+  std::vector<LostPoint> far;
+};
+
+/// `mesh` is closed, oriented and manifold along its edges (else ContractViolation), without
+/// attributes, its vertices near the surface. Vertices of it stay as they are; new ones lie on the
+/// surface to the rounding of F. Distances are those of the first order, |F| / |grad F|.
+///
+/// Not promised: that every triangle is within the tolerance (it is measured at points, and
+/// rounds are limited), nor that no triangles intersect where the surface turns within an edge.
+/// About one jet a triangle and six a new vertex.
+TriangleMesh refine(const ImplicitSurface& surface, TriangleMesh mesh, const RefineOptions& options,
+                    RefineStatistics* statistics = nullptr);
+
+}  // namespace cs2mesh
