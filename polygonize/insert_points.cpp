@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <vector>
 
 #include "polygonize/editable_mesh.h"
@@ -102,15 +103,19 @@ class Inserter {
 
 }  // namespace
 
-std::size_t insert_points(TriangleMesh& mesh, std::span<const LostPoint> points) {
-  std::vector<LostPoint> order(points.begin(), points.end());
-  std::stable_sort(order.begin(), order.end(),
-                   [](const LostPoint& a, const LostPoint& b) { return a.distance > b.distance; });
+std::vector<std::size_t> insert_points(TriangleMesh& mesh, std::span<const LostPoint> points) {
+  std::vector<std::size_t> order(points.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return points[a].distance > points[b].distance;
+  });
   Inserter inserter(std::move(mesh));
-  std::size_t count = 0;
-  for (const LostPoint& lost : order) count += inserter.insert(lost) ? 1 : 0;
+  std::vector<std::size_t> joined;
+  for (const std::size_t i : order) {
+    if (inserter.insert(points[i])) joined.push_back(i);
+  }
   mesh = inserter.take();
-  return count;
+  return joined;
 }
 
 }  // namespace cs2mesh

@@ -3,8 +3,9 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
-#include "polygonize/surface_watch.h"
+#include "polygonize/lost_point.h"
 #include "polygonize/triangle_mesh.h"
 
 namespace cs2mesh {
@@ -15,6 +16,6 @@ namespace cs2mesh {
 /// oriented and 2-manifold. Returns the number of points joined.
 ///
 /// Not promised: that tents do not run into other parts of the mesh.
-std::size_t insert_points(TriangleMesh& mesh, std::span<const LostPoint> points);
+std::vector<std::size_t> insert_points(TriangleMesh& mesh, std::span<const LostPoint> points);
 
 }  // namespace cs2mesh

@@ -13,7 +13,7 @@
 
 #include "libfield/base/progress.h"
 #include "libfield/field/implicit_surface.h"
-#include "polygonize/surface_watch.h"
+#include "polygonize/lost_point.h"
 #include "polygonize/triangle_mesh.h"
 
 namespace cs2mesh {

@@ -55,31 +55,12 @@ std::vector<SurfaceBlock> root_blocks(const ImplicitSurface& surface, const Aabb
 }
 
 std::vector<SurfaceBlock> halved(const std::vector<SurfaceBlock>& blocks) {
-  std::vector<std::array<SurfaceBlock, 8>> children(blocks.size());
+  std::vector<std::vector<SurfaceBlock>> parts(blocks.size());
   const bool restrict_more = blocks.size() <= kMostRestrictions;
-  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
-    const Aabb& box = blocks[i].box;
-    std::array<Aabb, 8> parts;
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      const Vec3d center = box.center(), end = box.corner(static_cast<int>(corner));
-      parts[corner] = {min(center, end), max(center, end)};
-    }
-    std::array<Interval, 8> ranges;
-    blocks[i].surface->enclose_each(parts, ranges);
-    for (std::size_t corner = 0; corner < 8; ++corner) {
-      if (!may_hold_surface(ranges[corner])) continue;
-      SurfaceBlock& child = children[i][corner];
-      child.box = parts[corner];
-      child.surface =
-          restrict_more ? blocks[i].surface->restrict_to(parts[corner]) : blocks[i].surface;
-    }
-  });
+  tbb::parallel_for(std::size_t{0}, blocks.size(),
+                    [&](std::size_t i) { parts[i] = cs2mesh::halved(blocks[i], restrict_more); });
   std::vector<SurfaceBlock> out;
-  for (auto& eight : children) {
-    for (SurfaceBlock& child : eight) {
-      if (child.surface) out.push_back(std::move(child));
-    }
-  }
+  for (auto& some : parts) out.insert(out.end(), some.begin(), some.end());
   return out;
 }
 
@@ -113,6 +94,23 @@ void replace_by_bracketing(const SurfaceBlock& block, const std::vector<Vec3d>& 
 }
 
 }  // namespace
+
+std::vector<SurfaceBlock> halved(const SurfaceBlock& block, bool restrict_more) {
+  std::array<Aabb, 8> parts;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    const Vec3d center = block.box.center(), end = block.box.corner(static_cast<int>(corner));
+    parts[corner] = {min(center, end), max(center, end)};
+  }
+  std::array<Interval, 8> ranges;
+  block.surface->enclose_each(parts, ranges);
+  std::vector<SurfaceBlock> out;
+  for (std::size_t corner = 0; corner < 8; ++corner) {
+    if (!may_hold_surface(ranges[corner])) continue;
+    out.push_back(
+        {parts[corner], restrict_more ? block.surface->restrict_to(parts[corner]) : block.surface});
+  }
+  return out;
+}
 
 std::vector<SurfaceBlock> surface_blocks(const ImplicitSurface& surface, const Aabb& region,
                                          std::size_t samples, std::uint64_t seed) {

@@ -22,6 +22,9 @@ struct SurfaceBlock {
 std::vector<SurfaceBlock> surface_blocks(const ImplicitSurface& surface, const Aabb& region,
                                          std::size_t samples, std::uint64_t seed);
 
+/// The octants of a block that may hold surface, with restrictions of their own if `restrict_more`.
+std::vector<SurfaceBlock> halved(const SurfaceBlock& block, bool restrict_more);
+
 inline constexpr int kMostCellsPerBlock = 6;
 /// Cells along the edge of a block for about `samples` crossings in all blocks.
 int cells_per_block(std::size_t blocks, std::size_t samples);

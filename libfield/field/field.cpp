@@ -207,7 +207,10 @@ double Field::derivative_bound(int order, const Aabb& box) const {
   std::vector<std::uint32_t> list;
   near_terms(box, list);
   double sum = 0;
-  for (const std::uint32_t i : list) sum += hessian_bound(data_->terms[i], box);
+  for (const std::uint32_t i : list) {
+    sum += hessian_bound(data_->terms[i], box);
+    if (sum == kInfinity) break;
+  }
   return sum;
 }
 
