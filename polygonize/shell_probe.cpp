@@ -25,7 +25,7 @@ struct Probe {
 };
 
 /// Points on a grid over a triangle, each looked at from both sides.
-void append_probes(const TriangleMesh& mesh, std::size_t triangle, double spacing,
+void append_probes(const TriangleMesh& mesh, std::size_t triangle, double spacing, bool smooth,
                    std::vector<Probe>& probes) {
   const auto& t = mesh.triangles[triangle];
   const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
@@ -34,9 +34,9 @@ void append_probes(const TriangleMesh& mesh, std::size_t triangle, double spacin
   if (!(twice > 0)) return;
   const Vec3d up = area / twice;
   // A point for each square of the spacing.
-  constexpr double kMostRows = 64;
-  const int rows =
-      static_cast<int>(std::clamp(std::ceil(std::sqrt(twice) / spacing), 1.0, kMostRows));
+  constexpr double kSmoothRows = 2, kMostRows = 8;
+  const double wanted = smooth ? kSmoothRows : std::ceil(std::sqrt(twice) / spacing);
+  const int rows = static_cast<int>(std::clamp(wanted, 1.0, kMostRows));
   for (int i = 0; i < rows; ++i) {
     for (int j = 0; i + j < rows; ++j) {
       const double u = (i + 1.0 / 3) / rows, v = (j + 1.0 / 3) / rows;
@@ -65,9 +65,10 @@ class Prober {
     if (fresh.empty()) return {};
     around = around.grown(2 * options_.enough);
     const bool smooth = std::isfinite(surface_.derivative_bound(2, around));
-    const double spacing = smooth ? options_.smooth_spacing : options_.creased_spacing;
     std::vector<Probe> probes;
-    for (const std::size_t t : fresh) append_probes(mesh_, t, spacing * options_.enough, probes);
+    for (const std::size_t t : fresh) {
+      append_probes(mesh_, t, options_.spacing * options_.enough, smooth, probes);
+    }
     std::vector<Vec3d> points;
     Aabb box;
     for (const Probe& probe : probes) {
@@ -122,12 +123,12 @@ class Prober {
 
 std::vector<LostPoint> probe_shell(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                    const ClosestPoint& tree, const ShellProbeOptions& options) {
-  require(options.enough > 0 && options.smooth_spacing > 0 && options.creased_spacing > 0,
-          "probe_shell: distances must be positive");
+  require(options.enough > 0 && options.spacing > 0, "probe_shell: distances must be positive");
   const Prober prober(surface, mesh, tree, options);
   const std::size_t count = mesh.triangles.size();
   std::vector<std::vector<LostPoint>> chunks((count + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+    if (options.progress != nullptr && options.progress->cancelled()) return;
     chunks[i] = prober.look(kChunk * i, std::min(kChunk * (i + 1), count));
   });
   std::vector<LostPoint> lost;

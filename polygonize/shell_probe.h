@@ -7,6 +7,7 @@
 
 #include <vector>
 
+#include "libfield/base/progress.h"
 #include "libfield/field/implicit_surface.h"
 #include "polygonize/closest_point.h"
 #include "polygonize/lost_point.h"
@@ -16,11 +17,13 @@ namespace cs2mesh {
 
 struct ShellProbeOptions {
   double enough = 0.0;  ///< the distance, > 0
-  /// Between the points looked at, in units of that: where the second derivative of F is bounded,
-  /// and where it may have walls, between which there are slots and fins of any width.
-  double smooth_spacing = 2.0, creased_spacing = 0.6;
+  /// Where F may have walls, between which there are slots and fins of any width, a triangle is
+  /// looked at in points this far apart, in units of that, and at most 8 to its side; elsewhere in
+  /// three points.
+  double spacing = 0.8;
   /// Triangles without a vertex of this number or above are not looked at.
   TriangleMesh::Index first_new = 0;
+  Progress* progress = nullptr;  ///< cancelled: the rest is left out
 };
 
 /// From points all over the mesh, `enough` above and below it, on to the end of whatever has the

@@ -25,6 +25,14 @@ bool SurfaceWatch::any() const {
                      [](const std::vector<Vec3d>& patch) { return !patch.empty(); });
 }
 
+std::vector<Vec3d> SurfaceWatch::some() const {
+  std::vector<Vec3d> points;
+  for (const std::vector<Vec3d>& patch : patches_) {
+    if (!patch.empty()) points.push_back(patch.front());
+  }
+  return points;
+}
+
 SurfaceWatch::Look SurfaceWatch::look(const ClosestPoint& tree) const {
   std::vector<Look> looks(patches_.size());
   tbb::parallel_for(std::size_t{0}, patches_.size(), [&](std::size_t i) {

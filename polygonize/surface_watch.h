@@ -30,6 +30,8 @@ class SurfaceWatch {
   Look look(const ClosestPoint& tree) const;
   /// Whether there is any surface.
   bool any() const;
+  /// One sample of each block that has any.
+  std::vector<Vec3d> some() const;
 
  private:
   SurfaceWatchOptions options_;

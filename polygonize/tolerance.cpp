@@ -126,9 +126,9 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
 
 double expected_cell(double radius, bool creased, double tolerance) {
   constexpr double kSagitta = 0.3;
-  constexpr double kShare = 0.8;         // of the tolerance
-  constexpr double kFollow = 0.7;        // of the radius: at least three cells across
-  constexpr double kCreaseCells = 1.35;  // tolerances in a cell
+  constexpr double kShare = 0.8;      // of the tolerance
+  constexpr double kFollow = 0.7;     // of the radius: at least three cells across
+  constexpr double kCreaseCells = 3;  // tolerances in a cell
   double cell = std::min(std::sqrt(kShare * tolerance * radius / kSagitta), kFollow * radius);
   if (creased) cell = std::min(cell, kCreaseCells * tolerance);
   return cell;
@@ -136,11 +136,20 @@ double expected_cell(double radius, bool creased, double tolerance) {
 
 namespace {
 
-/// The first cell: larger than expected_cell(), as refine() makes up for that where it matters.
-double first_cell(double radius, bool creased, double tolerance) {
-  constexpr double kLarger = 1.25;
-  const double shape_cell = expected_cell(radius, false, HUGE_VAL);
-  return std::min(kLarger * expected_cell(radius, creased, tolerance), shape_cell);
+/// Whether F has walls: places at the surface where it is far steeper than elsewhere.
+bool has_walls(const ImplicitSurface& surface, std::span<const Vec3d> on_surface) {
+  constexpr double kSteep = 4.0, kShare = 0.02;
+  if (on_surface.empty()) return false;
+  std::vector<Jet> jets(on_surface.size());
+  surface.jets(on_surface, jets);
+  std::vector<double> slopes;
+  for (const Jet& jet : jets) slopes.push_back(norm(jet.gradient));
+  const auto at_share = [&](double share) {
+    const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(slopes.size() - 1));
+    std::nth_element(slopes.begin(), slopes.begin() + place, slopes.end());
+    return slopes[static_cast<std::size_t>(place)];
+  };
+  return at_share(1 - kShare) > kSteep * at_share(0.5);
 }
 
 /// The triangles with a vertex from `first_new` on, and all whose boxes meet theirs; vertices keep
@@ -169,6 +178,15 @@ TriangleMesh around_new(const TriangleMesh& mesh, TriangleMesh::Index first_new)
   return part;
 }
 
+/// The first cell: larger than expected_cell(), as refine() makes up for that where it matters. Not
+/// so between walls, where a large cell makes bridges.
+double first_cell(double radius, bool creased, bool walls, double tolerance) {
+  constexpr double kLarger = 1.25, kBetweenWalls = 1.7;
+  const double shape_cell = expected_cell(radius, false, HUGE_VAL);
+  const double cell = std::min(kLarger * expected_cell(radius, creased, tolerance), shape_cell);
+  return walls ? std::min(cell, kBetweenWalls * tolerance) : cell;
+}
+
 /// Refines a mesh from both sides.
 class BothWays {
  public:
@@ -176,10 +194,14 @@ class BothWays {
       : surface_(surface), watch_(surface, {options.surface_samples, enough}) {
     // Less than enough, as what is found is the end of a slot near where it is deepest.
     probe_.enough = 0.8 * enough;
+    probe_.progress = options.progress;
     refinement_.tolerance = enough;
     refinement_.max_triangles = options.max_triangles;
     refinement_.progress = options.progress;
   }
+
+  /// Some points of the surface.
+  std::vector<Vec3d> on_surface() const { return watch_.some(); }
 
   /// Refines the mesh where it is too far from the surface, and joins what there is of the surface
   /// too far from the mesh, as long as that helps. Returns how far the surface is from the mesh;
@@ -316,7 +338,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   BothWays both_ways(surface, enough, options);
   ToleranceMesh best;
   std::vector<Diagnostic> remarks;
-  double cell = first_cell(thinnest_radius, creased, tolerance);
+  const bool walls = creased && has_walls(surface, both_ways.on_surface());
+  double cell = first_cell(thinnest_radius, creased, walls, tolerance);
   for (int attempt = 0; attempt < options.most_attempts; ++attempt, cell *= kSmaller) {
     LatticeStatistics statistics;
     Result<TriangleMesh> mesh = mesh_lattice(
@@ -331,6 +354,9 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
       break;
     }
     const double back = both_ways.run(*mesh);
+    if (options.progress != nullptr && options.progress->cancelled()) {
+      return error_at({}, "interrupted", Failure::interrupted);
+    }
     const double error = std::max(back, estimate.largest_distance(surface, *mesh));
     const bool better = best.attempts.empty() || error < best.error;
     best.attempts.push_back({cell, error, mesh->triangles.size()});
