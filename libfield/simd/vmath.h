@@ -124,8 +124,8 @@ namespace detail {
 
 /// (-1)^k pi^n / n!, n = 2k + 1 or 2k: sin and cos of pi z for |z| <= 1/4 to 1e-19.
 template <int Odd>
-consteval std::array<double, 8> circular() {
-  std::array<double, 8> c{};
+consteval std::array<double, 10> circular() {
+  std::array<double, 10> c{};
   long double term = Odd != 0 ? std::numbers::pi_v<long double> : 1.0L;
   for (std::size_t k = 0; k < c.size(); ++k) {
     c[k] = static_cast<double>(term);
@@ -134,7 +134,7 @@ consteval std::array<double, 8> circular() {
   }
   return c;
 }
-inline constexpr std::array<double, 8> kSine = circular<1>(), kCosine = circular<0>();
+inline constexpr std::array<double, 10> kSine = circular<1>(), kCosine = circular<0>();
 
 }  // namespace detail
 
@@ -143,7 +143,7 @@ struct SineCosine {
   T sine, cosine;
 };
 
-/// sin and cos of pi x, within 2e-16; those of 0 from 2^50 on, where few fractions are left.
+/// sin and cos of pi x, within 3e-16; those of 0 from 2^50 on, where few fractions are left.
 template <class T>
 SineCosine<T> sin_cos_pi(const T& x) {
   using std::abs;

@@ -53,6 +53,16 @@ TEST(MeshToTolerance, Creases) {
   EXPECT_TRUE(check(mesh->mesh).ok());
 }
 
+TEST(MeshToTolerance, CanBeStopped) {
+  struct Stop final : Progress {
+    void report(std::string_view, double) override {}
+    bool cancelled() const override { return true; }
+  } stop;
+  const auto mesh = mesh_to_tolerance(Surface<Sphere>{}, 1.0, false, 1e-3, {.progress = &stop});
+  ASSERT_FALSE(mesh);
+  EXPECT_EQ(mesh.diagnostics().front().failure, Failure::interrupted);
+}
+
 TEST(MeshToTolerance, SaysWhenItFails) {
   struct Pessimist final : DistanceEstimate {
     double largest_distance(const ImplicitSurface&, const TriangleMesh& mesh) const override {

@@ -131,5 +131,41 @@ TEST(FirstOf, GivesEachLaneTheFirstFormulaOfferedAndSkipsThoseThatNoLaneTakes) {
   EXPECT_EQ(all_lanes.lane[1], 2.0);
 }
 
+TEST(Vmath, SineAndCosineOfTurnsAreWithin3e16) {
+  Random random(4);
+  long double worst = 0.0L;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = i % 2 == 0 ? random.uniform(-3.0, 3.0) : random.uniform(-1e6, 1e6);
+    const auto at = vmath::sin_cos_pi(Pair(x));
+    // The remainder is exact; the angle in long double is not the error that counts here.
+    const long double angle = std::numbers::pi_v<long double> * std::remainder(x, 2.0);
+    worst = std::max(worst, std::abs(at.sine.lane[1] - std::sin(angle)));
+    worst = std::max(worst, std::abs(at.cosine.lane[1] - std::cos(angle)));
+  }
+  EXPECT_LE(static_cast<double>(worst), 3e-16);
+  for (const double x : {0.0, 0.5, 1.0, 1.5, -0.5, 2.0, 1e9, 1e9 + 1.0}) {
+    const auto at = vmath::sin_cos_pi(x);
+    EXPECT_EQ(std::abs(at.sine) + std::abs(at.cosine), 1.0) << x;
+  }
+}
+
+TEST(Vmath, Floor) {
+  for (const double x : {0.0, 0.5, -0.5, 1.0, -1.0, 1e9 + 0.25, -1e9 - 0.25, 0x1p60, -0x1p60}) {
+    EXPECT_EQ(vmath::floor(Pair(x)).lane[0], std::floor(x));
+  }
+}
+
+TEST(Reciprocals, AreWithinTwoUlpAndNeverNotANumber) {
+  Random random(6);
+  for (int i = 0; i < 10000; ++i) {
+    const double a = std::exp2(random.uniform(-200, 200)), b = std::exp2(random.uniform(-200, 200));
+    const Reciprocals<double> of(a, b);
+    EXPECT_LE(std::abs(of.of_a * a - 1.0), 4e-16);
+    EXPECT_LE(std::abs(of.of_b * b - 1.0), 4e-16);
+  }
+  const Reciprocals<double> far(std::numeric_limits<double>::infinity(), 2.0);
+  EXPECT_TRUE(std::isfinite(far.of_a) && std::isfinite(far.of_b));
+}
+
 }  // namespace
 }  // namespace cs2mesh
