@@ -97,6 +97,7 @@ class Refiner {
     std::vector<Jet> jets;
     evaluate(points, jets);
     std::vector<double> all;
+    all.reserve(jets.size());
     for (const Jet& jet : jets) all.push_back(first_order_distance(jet, kInfinity));
     return all;
   }
@@ -212,7 +213,7 @@ class Refiner {
     for (HalfEdge h = 0; h < split_.size(); ++h) {
       if (split_[h] != 0) edges.push_back(h);
     }
-    place(edges, [this](HalfEdge, const Jet& jet) { return jet.gradient; });
+    place(edges, [](HalfEdge, const Jet& jet) { return jet.gradient; });
     const std::vector<HalfEdge> folded = take_back_folded();
     place(folded, [this](HalfEdge h, const Jet&) { return normal_at(h); });
     statistics.kept += take_back_folded().size();

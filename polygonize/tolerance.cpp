@@ -138,6 +138,7 @@ bool has_walls(const ImplicitSurface& surface, std::span<const Vec3d> on_surface
   std::vector<Jet> jets(on_surface.size());
   surface.jets(on_surface, jets);
   std::vector<double> slopes;
+  slopes.reserve(jets.size());
   for (const Jet& jet : jets) slopes.push_back(norm(jet.gradient));
   const auto at_share = [&](double share) {
     const auto place = static_cast<std::ptrdiff_t>(share * static_cast<double>(slopes.size() - 1));

@@ -127,7 +127,8 @@ CauchyLine<T> cauchy_line(const T& s, const T& t1, const T& t2, const T& length,
   const T p = T(1) + s2 * c2;
   const T v1 = p + s2 * (t1 * t1);
   const T v2 = p + s2 * (t2 * t2);
-  const auto [w1, w2] = Reciprocals<T>(v1, v2);
+  const Reciprocals<T> w(v1, v2);
+  const T &w1 = w.of_a, &w2 = w.of_b;
   const auto closed = [&] { return cauchy_line_closed(s, t1, t2, length, p, w1, w2); };
   CauchyLine<T> out;
   if constexpr (kIsDouble<T>) {
