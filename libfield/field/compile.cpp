@@ -1,6 +1,7 @@
 #include "libfield/field/compile.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "libfield/base/check.h"
@@ -39,6 +40,15 @@ struct GroupNames {
   }
   std::vector<std::string> names;  ///< by object index + 1
 };
+
+/// Squares of coordinates up to here, and products of two of those, stay finite.
+constexpr double kLargestCoordinate = 1e100;
+
+bool reaches_beyond(const Aabb& box, double limit) {
+  const auto beyond = [limit](double x) { return std::isfinite(x) && std::abs(x) > limit; };
+  return beyond(box.min.x) || beyond(box.min.y) || beyond(box.min.z) || beyond(box.max.x) ||
+         beyond(box.max.y) || beyond(box.max.z);
+}
 
 struct Group {
   std::vector<Term> terms;
@@ -87,7 +97,7 @@ class Compiler {
       group.thinnest = made->radius;
     }
     if (made->radius > 0) group.thinnest = std::min(group.thinnest, made->radius);
-    include(skeleton_box(*made->term), made->radius);
+    include(skeleton_box(*made->term), made->radius, element.where);
     for (const StrengthProfile& profile : made->term->profiles) {
       group.creased = group.creased || has_corners(profile);
     }
@@ -108,7 +118,7 @@ class Compiler {
     part.thinnest_radius = made->radius;
     part.creased = made->creased;
     part.primitive_count = 1;
-    include(part.surface->bounds(), 0.0);
+    include(part.surface->bounds(), 0.0, element.where);
     solids_.push_back(std::move(part));
   }
 
@@ -126,8 +136,13 @@ class Compiler {
   }
 
   /// Grows the extent; unbounded sides count up to `mesh bounds`.
-  void include(Aabb box, double radius) {
+  void include(Aabb box, double radius, const SourceLocation& where) {
     box = box.grown(radius);
+    if (reaches_beyond(box, kLargestCoordinate)) {
+      keep_remarks(Result<Aabb>(
+          error_at(where, "the element reaches beyond 1e100, expected smaller coordinates")));
+      return;
+    }
     if (!box.finite()) {
       if (!scene_.mesh.bounds) return;
       box = {max(box.min, scene_.mesh.bounds->min), min(box.max, scene_.mesh.bounds->max)};
