@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <tuple>
 
 #include "libfield/field/term_bounds.h"
+#include "libfield/integral/bulk.h"
 
 namespace cs2mesh {
 namespace {
@@ -49,6 +52,10 @@ double blocks_along_diagonal(std::size_t terms) {
 
 struct FieldData {
   std::vector<Term> terms;
+  /// The first of the terms: points as they are, kernel by kernel.
+  std::vector<PointSource> points;
+  /// Where the points of each kernel begin, and where the last ones end.
+  std::array<std::uint32_t, kAllKernels.size() + 1> point_begin{};
   double error_budget = 0.0;
   Aabb bounds;
   BoxTree reach;  ///< where each term's influence exceeds its share of the budget
@@ -56,6 +63,45 @@ struct FieldData {
 };
 
 namespace {
+
+bool is_plain_point(const Term& term) {
+  return std::holds_alternative<Point>(term.primitive) && !term.to_local && term.profiles.empty();
+}
+
+/// Plain points first; equal kinds together: one dispatch serves a run of points, and its branches
+/// stay predicted.
+void sort_by_kind(std::vector<Term>& terms) {
+  const auto kind = [](const Term& term) {
+    return std::tuple(!is_plain_point(term), term.kernel.index(), term.primitive.index());
+  };
+  std::stable_sort(terms.begin(), terms.end(),
+                   [&](const Term& a, const Term& b) { return kind(a) < kind(b); });
+}
+
+void collect_points(FieldData& data) {
+  for (const Term& term : data.terms) {
+    if (!is_plain_point(term)) break;
+    data.points.push_back(point_source(term.kernel, std::get<Point>(term.primitive), term.sign));
+    ++data.point_begin[term.kernel.index() + 1];
+  }
+  std::partial_sum(data.point_begin.begin(), data.point_begin.end(), data.point_begin.begin());
+}
+
+/// Adds the terms of `list`, in ascending order, at each of the points.
+template <class Out>
+void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
+               std::span<const Vec3d> points, std::span<Out> sums) {
+  auto first = list.begin();
+  for (std::size_t kernel = 0; kernel < kAllKernels.size(); ++kernel) {
+    const auto last = std::lower_bound(first, list.end(), data.point_begin[kernel + 1]);
+    if (first == last) continue;
+    bulk_table().point_row<Out>()[kernel](data.points.data(), &*first,
+                                          static_cast<std::size_t>(last - first), points.data(),
+                                          sums.data(), points.size());
+    first = last;
+  }
+  for (; first != list.end(); ++first) accumulate(data.terms[*first], points, sums);
+}
 
 Aabb surface_bounds(const std::vector<Term>& terms) {
   // Outside the union of the boxes, each positive term stays under its share of T.
@@ -76,12 +122,9 @@ Field::Field(std::vector<Term> terms, double error_budget) {
   require(!terms.empty(), "a field needs terms");
   require(error_budget > 0, "the error budget must be positive");
   auto data = std::make_shared<FieldData>();
-  // Equal kinds together: one dispatch serves a run of points, and its branches stay predicted.
-  std::stable_sort(terms.begin(), terms.end(), [](const Term& a, const Term& b) {
-    return std::pair(a.kernel.index(), a.primitive.index()) <
-           std::pair(b.kernel.index(), b.primitive.index());
-  });
+  sort_by_kind(terms);
   data->terms = std::move(terms);
+  collect_points(*data);
   data->error_budget = error_budget;
   data->bounds = surface_bounds(data->terms);
 
@@ -122,9 +165,7 @@ template <class Out>
 void Field::evaluate(std::span<const Vec3d> points, std::span<Out> out) const {
   const BlockLattice& lattice = data_->lattice;
   const auto add = [&](const std::vector<std::uint32_t>& list, std::size_t first, std::size_t n) {
-    for (const std::uint32_t i : list) {
-      accumulate(data_->terms[i], points.subspan(first, n), out.subspan(first, n));
-    }
+    add_terms<Out>(*data_, list, points.subspan(first, n), out.subspan(first, n));
   };
   if (uniform_) return add(candidates_, 0, points.size());
 
@@ -161,7 +202,9 @@ void Field::values(std::span<const Vec3d> points, std::span<double> out) const {
 void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
   require(points.size() == out.size(), "one jet a point");
   std::fill(out.begin(), out.end(), Jet{});
-  for (const Term& term : data_->terms) accumulate(term, points, out);
+  std::vector<std::uint32_t> all(data_->terms.size());
+  std::iota(all.begin(), all.end(), 0U);
+  add_terms<Jet>(*data_, all, points, out);
 }
 
 Interval Field::enclose(const Aabb& box) const {

@@ -76,6 +76,13 @@ template <class K, class P, class Out>
 void add_integrals(const Term& term, const K& kernel, const P& primitive, double sign,
                    std::span<const Vec3d> points, std::span<Out> sums) {
   using F = typename FrameTypeOf<P>::type;
+  if constexpr (std::is_same_v<P, Point>) {
+    const PointSource source = PointLaw<K>::fold(kernel, primitive.position, sign);
+    const std::uint32_t index = 0;
+    const auto add = bulk_table().point_row<Out>()[static_cast<std::size_t>(K::kKind)];
+    add(&source, &index, 1, points.data(), sums.data(), points.size());
+    return;
+  }
   if constexpr (kHasBulk<K, F>) {
     if (points.size() >= kBulkCount) {
       const auto add = std::get<AddIntegrals<K, F, Out>>(bulk_table().row<Out>());

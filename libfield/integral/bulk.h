@@ -1,6 +1,6 @@
 // Fields of one primitive at many points, several points at a time with the widest instructions
-// that the machine has. The result at a point is the same bits whatever the instructions and the
-// points beside it.
+// that the machine has. The result at a point is the same bits whatever the points beside it, and,
+// but for the fields of points, whatever the instructions.
 //
 // To add a pair that has a closed form for every number type: its line in BulkRow, its entry in
 // bulk_pack.h.
@@ -12,9 +12,7 @@
 
 #include "libfield/base/jet.h"
 #include "libfield/integral/frames.h"
-#include "libfield/kernel/cauchy.h"
-#include "libfield/kernel/gaussian.h"
-#include "libfield/primitive/point.h"
+#include "libfield/integral/point_sum.h"
 #include "libfield/profile/profile.h"
 #include "libfield/simd/isa.h"
 
@@ -27,10 +25,14 @@ using AddIntegrals = void (*)(const K& kernel, const F& frame, double sign, cons
                               Out* sums, std::size_t count);
 
 template <class Out>
-using BulkRow =
-    std::tuple<AddIntegrals<Cauchy, Point, Out>, AddIntegrals<Cauchy, SegmentFrame<double>, Out>,
-               AddIntegrals<Cauchy, ArcFrame<double>, Out>, AddIntegrals<Gaussian, Point, Out>,
-               AddIntegrals<Gaussian, SegmentFrame<double>, Out>>;
+using BulkRow = std::tuple<AddIntegrals<Cauchy, SegmentFrame<double>, Out>,
+                           AddIntegrals<Cauchy, ArcFrame<double>, Out>,
+                           AddIntegrals<Gaussian, SegmentFrame<double>, Out>,
+                           AddIntegrals<Inverse, SegmentFrame<double>, Out>,
+                           AddIntegrals<Squared, SegmentFrame<double>, Out>,
+                           AddIntegrals<Metaball, SegmentFrame<double>, Out>,
+                           AddIntegrals<Soft, SegmentFrame<double>, Out>,
+                           AddIntegrals<Quartic, SegmentFrame<double>, Out>>;
 
 /// weights[i] = weight(profile, frame, points[i]) for i < count; where `Out` is double, w alone.
 template <class F, class Out>
@@ -46,6 +48,8 @@ struct BulkTable {
   BulkRow<double> values;
   BulkWeights<Jet> weight_jets;
   BulkWeights<double> weights;
+  PointRow<Jet> point_jets;
+  PointRow<double> point_values;
 
   template <class Out>
   const BulkRow<Out>& row() const {
@@ -53,6 +57,14 @@ struct BulkTable {
       return values;
     } else {
       return jets;
+    }
+  }
+  template <class Out>
+  const PointRow<Out>& point_row() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return point_values;
+    } else {
+      return point_jets;
     }
   }
   template <class Out>

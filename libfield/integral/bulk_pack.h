@@ -5,7 +5,8 @@
 #include "libfield/integral/cauchy_arc.h"
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/gaussian_segment.h"
-#include "libfield/integral/point.h"
+#include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/support_segment.h"
 #include "libfield/profile/along.h"
 #include "libfield/simd/twice.h"
 
@@ -30,7 +31,6 @@ struct BulkPack {
     cs2mesh::add_to<N>({jet.value.second, {g.x.second, g.y.second, g.z.second}}, sums + N);
   }
 
-  static Point in_lanes(const Point& point) { return point; }
   static SegmentFrame<T> in_lanes(const SegmentFrame<double>& f) { return SegmentFrame<T>(f); }
   static ArcFrame<T> in_lanes(const ArcFrame<double>& f) { return ArcFrame<T>(f); }
 
@@ -67,6 +67,14 @@ struct BulkPack {
              [&](const Vec3<T>& p) { return T(sign) * integral(kernel, lanes, p); });
   }
 
+  template <class K, class Out>
+  [[gnu::flatten]] static void add_points(const PointSource* sources, const std::uint32_t* index,
+                                          std::size_t source_count, const Vec3d* points, Out* sums,
+                                          std::size_t count) {
+    add_each(points, sums, count,
+             [&](const Vec3<T>& p) { return point_sum<K, T>(sources, index, source_count, p); });
+  }
+
   template <class F, class Out>
   [[gnu::flatten]] static void find_weights(const StrengthProfile& profile, const F& frame,
                                             const Vec3d* points, Out* weights, std::size_t count) {
@@ -78,16 +86,24 @@ struct BulkPack {
 
   template <class Out>
   static consteval BulkRow<Out> row() {
-    return {&add<Cauchy, Point, Out>, &add<Cauchy, SegmentFrame<double>, Out>,
-            &add<Cauchy, ArcFrame<double>, Out>, &add<Gaussian, Point, Out>,
-            &add<Gaussian, SegmentFrame<double>, Out>};
+    return {&add<Cauchy, SegmentFrame<double>, Out>,   &add<Cauchy, ArcFrame<double>, Out>,
+            &add<Gaussian, SegmentFrame<double>, Out>, &add<Inverse, SegmentFrame<double>, Out>,
+            &add<Squared, SegmentFrame<double>, Out>,  &add<Metaball, SegmentFrame<double>, Out>,
+            &add<Soft, SegmentFrame<double>, Out>,     &add<Quartic, SegmentFrame<double>, Out>};
   }
   template <class Out>
   static consteval BulkWeights<Out> weights() {
     return {&find_weights<SegmentFrame<double>, Out>, &find_weights<ArcFrame<double>, Out>};
   }
+  template <class Out>
+  static consteval PointRow<Out> points() {
+    return {&add_points<Cauchy, Out>,  &add_points<Gaussian, Out>, &add_points<Inverse, Out>,
+            &add_points<Squared, Out>, &add_points<Metaball, Out>, &add_points<Soft, Out>,
+            &add_points<Quartic, Out>};
+  }
   static consteval BulkTable table() {
-    return {row<Jet>(), row<double>(), weights<Jet>(), weights<double>()};
+    return {row<Jet>(),        row<double>(), weights<Jet>(),
+            weights<double>(), points<Jet>(), points<double>()};
   }
 };
 

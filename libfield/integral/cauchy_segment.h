@@ -22,7 +22,7 @@
 #include <cmath>
 
 #include "libfield/base/jet.h"
-#include "libfield/integral/frames.h"
+#include "libfield/integral/segment_place.h"
 #include "libfield/integral/special.h"
 #include "libfield/kernel/cauchy.h"
 #include "libfield/simd/vmath.h"
@@ -161,23 +161,14 @@ CauchyLine<T> cauchy_line(const T& s, const T& t1, const T& t2, const T& length,
 /// Value and gradient; see the head of this file.
 template <class T>
 JetOf<T> integral(const Cauchy& kernel, const SegmentFrame<T>& segment, const Vec3<T>& point) {
-  using std::abs;
-  const Vec3<T> da = point - segment.a;
-  const Vec3<T> db = point - segment.b;
-  const auto near = squared_norm(da) < T(kFarSquared);
-  if (!any(near)) return {};
-  const T t1 = -dot(da, segment.axis);
-  const T t2 = -dot(db, segment.axis);
-  // From the nearer end: its difference carries the smaller rounding error.
-  const auto first = abs(t1) < abs(t2);
-  const Vec3<T> perp = select(first, da, db) + select(first, t1, t2) * segment.axis;
+  const SegmentPlace<T> at(segment, point);
+  if (!any(at.near)) return {};
   const T s(kernel.s);
   const T amplitude(kernel.amplitude);
-  const detail::CauchyLine<T> line =
-      detail::cauchy_line(s, t1, t2, segment.length, T(squared_norm(perp)));
-  const JetOf<T> jet{amplitude * line.j2, (T(-4) * amplitude * (s * s) * line.j3) * perp +
+  const detail::CauchyLine<T> line = detail::cauchy_line(s, at.t1, at.t2, segment.length, at.c2);
+  const JetOf<T> jet{amplitude * line.j2, (T(-4) * amplitude * (s * s) * line.j3) * at.perp +
                                               (amplitude * line.drop) * segment.axis};
-  return select(near, jet, JetOf<T>{});
+  return select(at.near, jet, JetOf<T>{});
 }
 
 template <class T>

@@ -12,6 +12,7 @@
 #include "libfield/base/vec.h"
 #include "libfield/integral/gauss_legendre.h"
 #include "libfield/primitive/arc.h"
+#include "libfield/primitive/frame.h"
 #include "libfield/primitive/segment.h"
 #include "libfield/primitive/triangle.h"
 #include "libfield/simd/lanes.h"
@@ -36,17 +37,19 @@ Vec3<T> unit_or_zero(const Vec3<T>& v) {
 template <class T>
 struct SegmentFrame {
   Vec3<T> a, b;
-  Vec3<T> axis;  ///< unit, from a to b
+  Vec3<T> axis;   ///< unit, from a to b
+  Vec3<T> aside;  ///< unit, across it
   T length;
 
-  explicit SegmentFrame(const Segment& segment) : a(segment.a), b(segment.b) {
+  explicit SegmentFrame(const Segment& segment)
+      : a(segment.a), b(segment.b), aside(reference_axis(segment.b - segment.a)) {
     axis = unit_or_zero(b - a);
     length = dot(b - a, axis);
   }
   /// The same frame in another number type.
   template <class U>
   explicit SegmentFrame(const SegmentFrame<U>& f)
-      : a(f.a), b(f.b), axis(f.axis), length(f.length) {}
+      : a(f.a), b(f.b), axis(f.axis), aside(f.aside), length(f.length) {}
 };
 
 template <class T>

@@ -22,7 +22,7 @@
 #include <numbers>
 
 #include "libfield/base/jet.h"
-#include "libfield/integral/frames.h"
+#include "libfield/integral/segment_place.h"
 #include "libfield/integral/special.h"
 #include "libfield/kernel/gaussian.h"
 
@@ -154,21 +154,14 @@ requires(kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, con
 /// Value and gradient; see the head of this file.
 template <class T>
 JetOf<T> integral(const Gaussian& kernel, const SegmentFrame<T>& segment, const Vec3<T>& point) {
-  using std::abs;
-  const Vec3<T> da = point - segment.a;
-  const Vec3<T> db = point - segment.b;
-  const auto close = squared_norm(da) < T(kFarSquared);
-  if (!any(close)) return {};
-  const T t1 = -dot(da, segment.axis);
-  const T t2 = -dot(db, segment.axis);
-  // From the nearer end: its difference carries the smaller rounding error.
-  const auto first = abs(t1) < abs(t2);
-  const Vec3<T> perp = select(first, da, db) + select(first, t1, t2) * segment.axis;
+  const SegmentPlace<T> at(segment, point);
+  if (!any(at.near)) return {};
   const T a(kernel.a);
   const detail::GaussianLine<T> line =
-      detail::gaussian_line(kernel, t1, t2, segment.length, T(squared_norm(perp)));
-  const JetOf<T> jet{line.value, (T(-2) * (a * a) * line.value) * perp + line.drop * segment.axis};
-  return select(close, jet, JetOf<T>{});
+      detail::gaussian_line(kernel, at.t1, at.t2, segment.length, at.c2);
+  const JetOf<T> jet{line.value,
+                     (T(-2) * (a * a) * line.value) * at.perp + line.drop * segment.axis};
+  return select(at.near, jet, JetOf<T>{});
 }
 
 template <class T>

@@ -4,11 +4,11 @@
 //            point        segment             arc             triangle            plane
 //  cauchy    closed       closed              closed          closed              closed
 //  gaussian  closed       closed              quadrature      quadrature          closed
-//  inverse   closed       quadrature          quadrature      quadrature          divergent
-//  squared   closed       quadrature          quadrature      quadrature          divergent
-//  metaball  closed       quadrature          quadrature      quadrature          closed
-//  soft      closed       quadrature (exact)  quadrature      quadrature          closed
-//  quartic   closed       quadrature (exact)  quadrature      quadrature          closed
+//  inverse   closed       closed              quadrature      quadrature          divergent
+//  squared   closed       closed              quadrature      quadrature          divergent
+//  metaball  closed       closed              quadrature      quadrature          closed
+//  soft      closed       closed              quadrature      quadrature          closed
+//  quartic   closed       closed              quadrature      quadrature          closed
 //
 // To add a closed form: its file, its #include here, its word in this table.
 #pragma once
@@ -17,9 +17,11 @@
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/inverse_segment.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/point.h"
 #include "libfield/integral/quadrature.h"
+#include "libfield/integral/support_segment.h"
 
 namespace cs2mesh {
 
@@ -30,8 +32,7 @@ inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plan
 /// Whether quadrature stands in for a closed form; the table above as code.
 template <class K, class P>
 inline constexpr bool kNeedsQuadrature =
-    !std::is_same_v<K, Cauchy> && ((std::is_same_v<P, Segment> && !std::is_same_v<K, Gaussian>) ||
-                                   std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>);
+    !std::is_same_v<K, Cauchy> && (std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>);
 
 /// Pairs without a closed form, in double alone.
 template <class K, class P>

@@ -35,6 +35,21 @@ inline double power_of_two(double k) {
   return std::bit_cast<double>((std::bit_cast<std::uint64_t>(k + kRounder) + 1023) << 52);
 }
 
+/// The parts of a normal x > 0: its mantissa in [1, 2), the bits of its exponent.
+inline double mantissa_of(double x) {
+  return std::bit_cast<double>((std::bit_cast<std::uint64_t>(x) & 0xfffffffffffff) |
+                               0x3ff0000000000000);
+}
+inline double biased_exponent_of(double x) {
+  return static_cast<double>(std::bit_cast<std::uint64_t>(x) >> 52);
+}
+
+/// x 2^k for k held as k + kRounder, where neither x nor the result leaves the normal numbers.
+inline double scaled_by_rounded(double x, double k) {
+  return std::bit_cast<double>(std::bit_cast<std::uint64_t>(x) +
+                               (std::bit_cast<std::uint64_t>(k) << 52));
+}
+
 /// Whether any, or every, lane is set.
 constexpr bool any(bool mask) {
   return mask;

@@ -1,6 +1,6 @@
 // N doubles side by side, for the same computation at N points. Only operations that IEEE 754
-// rounds exactly are used and nothing is fused, so a lane holds the same bits whatever N and
-// whatever stands beside it.
+// rounds exactly are used and nothing is fused but by fma(), so a lane holds the same bits whatever
+// stands beside it and, without fma(), whatever N.
 //
 // N is also the name of an instruction set: the library compiles each N in one translation unit,
 // with the flags that N wants, and instantiates no other. What those units call must be templates
@@ -138,9 +138,39 @@ struct Pack {
   friend Pack power_of_two(const Pack& k) {
     return Pack((Doubles)(((Integers)(k + kRounder).lane + 1023) << 52));
   }
+  /// The parts of a normal x > 0: its mantissa in [1, 2), the bits of its exponent.
+  friend Pack mantissa_of(const Pack& x) {
+    return Pack((Doubles)(((Integers)x.lane & 0xfffffffffffff) | 0x3ff0000000000000));
+  }
+  friend Pack biased_exponent_of(const Pack& x) {
+    const Pack rounder(kRounder);
+    return Pack((Doubles)((Integers)rounder.lane + ((Integers)x.lane >> 52))) - rounder;
+  }
+  /// x 2^k for k held as k + kRounder, where neither x nor the result leaves the normal numbers.
+  friend Pack scaled_by_rounded(const Pack& x, const Pack& k) {
+    return Pack((Doubles)((Integers)x.lane + ((Integers)k.lane << 52)));
+  }
+  /// a b + c, rounded once where the machine can; see point_sum.h for what may use it.
+  friend Pack fma(const Pack& a, const Pack& b, const Pack& c) {
+#if defined(__AVX512F__)
+    if constexpr (N == 8) {
+      return Pack((Doubles)_mm512_fmadd_pd((__m512d)a.lane, (__m512d)b.lane, (__m512d)c.lane));
+    }
+#endif
+#if defined(__FMA__)
+    if constexpr (N == 4) {
+      return Pack((Doubles)_mm256_fmadd_pd((__m256d)a.lane, (__m256d)b.lane, (__m256d)c.lane));
+    }
+#endif
+    return a * b + c;
+  }
   /// As std::min and std::max: a, unless b is less or greater.
-  friend Pack min(const Pack& a, const Pack& b) { return select(b < a, b, a); }
-  friend Pack max(const Pack& a, const Pack& b) { return select(a < b, b, a); }
+  friend Pack min(const Pack& a, const Pack& b) {
+    return select(b < a, b, a);
+  }
+  friend Pack max(const Pack& a, const Pack& b) {
+    return select(a < b, b, a);
+  }
 
   friend Pack sqrt(const Pack& a) {
 #if defined(__AVX512F__)

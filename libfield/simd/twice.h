@@ -76,6 +76,16 @@ struct Twice {
   friend Twice copysign(const Twice& a, const Twice& b) {
     return {copysign(a.first, b.first), copysign(a.second, b.second)};
   }
+  friend Twice mantissa_of(const Twice& x) { return {mantissa_of(x.first), mantissa_of(x.second)}; }
+  friend Twice biased_exponent_of(const Twice& x) {
+    return {biased_exponent_of(x.first), biased_exponent_of(x.second)};
+  }
+  friend Twice scaled_by_rounded(const Twice& x, const Twice& k) {
+    return {scaled_by_rounded(x.first, k.first), scaled_by_rounded(x.second, k.second)};
+  }
+  friend Twice fma(const Twice& a, const Twice& b, const Twice& c) {
+    return {fma(a.first, b.first, c.first), fma(a.second, b.second, c.second)};
+  }
   friend Twice min(const Twice& a, const Twice& b) {
     return {min(a.first, b.first), min(a.second, b.second)};
   }

@@ -23,6 +23,14 @@ inline constexpr double kLn2High = 0x1.62e42feep-1, kLn2Low = 0x1.a39ef35793c76p
 inline constexpr std::array<double, 12> kExponential = {
     1.0 / 2,     1.0 / 6,      1.0 / 24,      1.0 / 120,      1.0 / 720,       1.0 / 5040,
     1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
+/// 2^r for |r| <= 1/2, within 4e-18 of it (least greatest error).
+inline constexpr std::array<double, 12> kPowerOfTwo = {
+#include "libfield/integral/exp2_table.inc"
+};
+/// (artanh(z) / z - 1) / z^2 by powers of z^2 <= (3 - 2 sqrt(2))^2: what follows is below 1e-18.
+inline constexpr std::array<double, 12> kArtanh = {1.0 / 3,  1.0 / 5,  1.0 / 7,  1.0 / 9,
+                                                   1.0 / 11, 1.0 / 13, 1.0 / 15, 1.0 / 17,
+                                                   1.0 / 19, 1.0 / 21, 1.0 / 23, 1.0 / 25};
 inline constexpr std::array<double, 14> kArctan = {
 #include "libfield/integral/arctan_table.inc"
 };
@@ -31,6 +39,15 @@ inline constexpr double kQuarterPiHigh = 0x1.921fb54442d00p-1,
                         kQuarterPiLow = 0x1.8469898cc5170p-49;
 /// Just above tan(1 / 2): what is added to pi / 4 stays below its last places.
 inline constexpr double kMiddle = 35.0 / 64.0;
+
+/// A normal x > 0 as mantissa 2^exponent, 1 <= mantissa < 2.
+template <class T>
+struct BinaryParts {
+  T mantissa, exponent;
+
+  explicit BinaryParts(const T& x)
+      : mantissa(mantissa_of(x)), exponent(T(biased_exponent_of(x)) - T(1023)) {}
+};
 
 /// exp(x) = 2^k (1 + rest).
 template <class T>
@@ -69,6 +86,24 @@ T exp(const T& x) {
   }
 }
 
+/// 2^x for -1022 <= x <= 1023, within 2 ulp (1 with fma()), so its last bit differs between
+/// machines.
+template <class T>
+T exp2(const T& x) {
+  using std::fma;
+  const T shifted = x + T(kRounder);
+  const T r = x - (shifted - T(kRounder));
+  const T r2 = r * r;
+  const T r4 = r2 * r2;
+  // Degree 11 by Estrin's scheme: four short chains in place of a long one.
+  const auto pair = [&r](double c0, double c1) { return fma(r, T(c1), T(c0)); };
+  const auto& c = detail::kPowerOfTwo;
+  const T low = fma(r2, pair(c[2], c[3]), pair(c[0], c[1]));
+  const T middle = fma(r2, pair(c[6], c[7]), pair(c[4], c[5]));
+  const T high = fma(r2, pair(c[10], c[11]), pair(c[8], c[9]));
+  return scaled_by_rounded(fma(r4, fma(r4, high, middle), low), shifted);
+}
+
 /// e^x - 1 for x <= 700, within 2 ulp.
 template <class T>
 T expm1(const T& x) {
@@ -80,6 +115,25 @@ T expm1(const T& x) {
   } else {
     using std::expm1;
     return expm1(x);
+  }
+}
+
+/// The natural logarithm of a normal x > 0, within 2 ulp (below 1, within 2e-16 of 1 as well).
+template <class T>
+T log(const T& x) {
+  if constexpr (kIsDouble<T>) {
+    // x = 2^k m, m within sqrt(2) of 1; log m = 2 artanh((m - 1) / (m + 1)).
+    const detail::BinaryParts<T> parts(x);
+    const auto upper = T(std::numbers::sqrt2) < parts.mantissa;
+    const T m = select(upper, T(T(0.5) * parts.mantissa), parts.mantissa);
+    const T k = parts.exponent + select(upper, T(1), T(0));
+    const T z = (m - T(1)) / (m + T(1));
+    const T w = z * z;
+    const T rest = T(2) * z * (w * polynomial(detail::kArtanh, w));
+    return k * T(detail::kLn2High) + (k * T(detail::kLn2Low) + rest + T(2) * z);
+  } else {
+    using std::log;
+    return log(x);
   }
 }
 

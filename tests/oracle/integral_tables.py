@@ -8,7 +8,9 @@ erfcx_table.inc           powers of t of (1 + 2x) erfcx(x), t = (x - 3) / (x + 3
 cauchy_tail_table.inc     powers of z of the integral of u^4 / (1 + y u^2)^3 over u in [0, 1],
                           y = 0.245 (1 + z) in [0, 0.49];
 small_erf_table.inc       powers of w of erf(z) / z - 1, w = z^2 in [0, 1];
-arctan_table.inc          powers of w of (arctan(z) / z - 1) / w, w = z^2, 0 <= z <= 35/64.
+arctan_table.inc          powers of w of (arctan(z) / z - 1) / w, w = z^2, 0 <= z <= 35/64;
+arc_rest_table.inc        powers of w of (atan x - x / (1 + x^2)) / (2 x^3), w = x^2 in [0, 1/4];
+exp2_table.inc            powers of r of 2^r, |r| <= 1/2.
 """
 import sys
 
@@ -66,6 +68,13 @@ def erfcx(x):
     return sum((-1) ** k * fac2(2 * k - 1) / (2 * x * x) ** k for k in range(30)) / (x * sqrt(pi))
 
 
+def arc_rest(w):
+    if w < mpf("1e-8"):
+        return sum((-1) ** (k + 1) * k * w ** (k - 1) / (2 * k + 1) for k in range(1, 9))
+    x = sqrt(w)
+    return (atan(x) - x / (1 + w)) / (2 * x * w)
+
+
 def legendre_rule(n):
     slope = lambda x: n * (legendre(n - 1, x) - x * legendre(n, x)) / (1 - x * x)
     nodes = [findroot(lambda x: legendre(n, x), cos(pi * (k + mpf(3) / 4) / (n + mpf(1) / 2)),
@@ -101,6 +110,9 @@ def main(folder):
     write_list(f"{folder}/small_erf_table.inc", powers_from_zero(small_erf, mpf(1), 13))
     arctan = lambda w: (atan(sqrt(w)) / sqrt(w) - 1) / w
     write_list(f"{folder}/arctan_table.inc", powers_from_zero(arctan, (mpf(35) / 64)**2, 13))
+    write_list(f"{folder}/arc_rest_table.inc", powers_from_zero(arc_rest, mpf(1) / 4, 13))
+    power_of_two = powers(chebyshev_coefficients(lambda t: mpf(2) ** (t / 2), 11))
+    write_list(f"{folder}/exp2_table.inc", stretched(power_of_two, mpf(2), mpf(0)))
 
 
 if __name__ == "__main__":

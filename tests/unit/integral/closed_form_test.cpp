@@ -16,6 +16,8 @@
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/support_segment.h"
 #include "tests/unit/integral/cases.h"
 #include "tests/unit/integral/wide.h"
 #include "tests/unit/simd/every_isa.h"
@@ -81,6 +83,27 @@ TEST(ClosedForm, GaussianSegmentIsExactForInputsMovedByAFewUlp) {
                             [](SegmentCase& c) { return cases::gaussian_for(c); });
 }
 
+/// Off the segment, where the kernels that are unbounded there are not cut off.
+struct BesideSegment : SegmentCase {
+  explicit BesideSegment(Random& random) : SegmentCase(random) {
+    while (distance(primitive, point) < 1e-7 * scale) SegmentCase::operator=(SegmentCase(random));
+  }
+};
+
+TEST(ClosedForm, InverseSegmentsAreExactForInputsMovedByAFewUlp) {
+  expect_exact<BesideSegment>("inverse segment", [](const SegmentCase&) { return Inverse{}; });
+  expect_exact<BesideSegment>("squared segment", [](const SegmentCase&) { return Squared{}; });
+}
+
+TEST(ClosedForm, SegmentsOfFiniteSupportAreExactForInputsMovedByAFewUlp) {
+  expect_exact<SegmentCase>("soft segment",
+                            [](const SegmentCase& c) { return Soft{1 / c.per_width}; });
+  expect_exact<SegmentCase>("quartic segment",
+                            [](const SegmentCase& c) { return Quartic{1 / c.per_width}; });
+  expect_exact<SegmentCase>("metaball segment",
+                            [](const SegmentCase& c) { return Metaball{1 / c.per_width}; });
+}
+
 template <class Case, class MakeKernel>
 void expect_gradient_of_value(const MakeKernel& make_kernel) {
   for (int i = 0; i < 60; ++i) {
@@ -98,6 +121,8 @@ TEST(ClosedForm, GradientsAreThoseOfTheValues) {
   expect_gradient_of_value<ArcCase>(cauchy);
   expect_gradient_of_value<TriangleCase>(cauchy);
   expect_gradient_of_value<SegmentCase>([](SegmentCase& c) { return cases::gaussian_for(c); });
+  expect_gradient_of_value<BesideSegment>([](const SegmentCase&) { return Inverse{}; });
+  expect_gradient_of_value<BesideSegment>([](const SegmentCase&) { return Squared{}; });
 }
 
 template <class Kernel, class Primitive>

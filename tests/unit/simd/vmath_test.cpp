@@ -45,6 +45,36 @@ TEST(Vmath, ExpMeetsTheEndsOfItsRange) {
   EXPECT_NEAR(vmath::exp(Pair(-740.0)).lane[0], std::exp(-740.0), 1e-323);
 }
 
+TEST(Vmath, Exp2IsWithinTwoUlp) {
+  Random random(11);
+  double worst = 0.0;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = i % 2 == 0 ? random.uniform(-1020.0, 1022.0) : random.uniform(-1.0, 1.0);
+    worst =
+        std::max(worst, ulps(vmath::exp2(Pair(x)).lane[1], std::exp2(static_cast<long double>(x))));
+  }
+  EXPECT_LE(worst, 2.0);
+  EXPECT_EQ(vmath::exp2(Pair(0.0)).lane[0], 1.0);
+  EXPECT_EQ(vmath::exp2(Pair(-3.0)).lane[0], 0.125);
+}
+
+TEST(Vmath, LogIsWithinTwoUlp) {
+  Random random(12);
+  double worst = 0.0, near_one = 0.0;
+  for (int i = 0; i < 100000; ++i) {
+    const double x = std::pow(2.0, random.uniform(-1000.0, 1000.0));
+    const long double exact = std::log(static_cast<long double>(x));
+    worst = std::max(worst, ulps(vmath::log(Pair(x)).lane[0], exact));
+    const double y = random.uniform(0.5, 2.0);
+    near_one =
+        std::max(near_one, static_cast<double>(std::abs(vmath::log(Pair(y)).lane[1] -
+                                                        std::log(static_cast<long double>(y)))));
+  }
+  EXPECT_LE(worst, 2.0);
+  EXPECT_LE(near_one, 2e-16);
+  EXPECT_EQ(vmath::log(Pair(1.0)).lane[0], 0.0);
+}
+
 TEST(Vmath, Expm1IsWithinTwoUlp) {
   Random random(2);
   double worst = 0.0;
