@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <tuple>
 
+#include "libfield/field/far_field.h"
 #include "libfield/field/term_bounds.h"
 #include "libfield/integral/bulk.h"
 
@@ -14,6 +16,8 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kThreshold = 1.0;
+/// Terms of a far field below this do not colour a point.
+constexpr double kLeastShare = 1e-4;
 
 /// The block lattice spans the bounds of the surface; beyond it, every term counts.
 struct BlockLattice {
@@ -51,14 +55,17 @@ double blocks_along_diagonal(std::size_t terms) {
 }  // namespace
 
 struct FieldData {
+  /// Those of far fields come last.
   std::vector<Term> terms;
+  std::size_t plain_count = 0;  ///< of the others
+  std::vector<FarField> far;    ///< at most one an exponent
   /// The first of the terms: points as they are, kernel by kernel.
   std::vector<PointSource> points;
   /// Where the points of each kernel begin, and where the last ones end.
   std::array<std::uint32_t, kAllKernels.size() + 1> point_begin{};
   double error_budget = 0.0;
   Aabb bounds;
-  BoxTree reach;  ///< where each term's influence exceeds its share of the budget
+  BoxTree reach;  ///< where each plain term's influence exceeds its share of the budget
   BlockLattice lattice;
 };
 
@@ -68,18 +75,52 @@ bool is_plain_point(const Term& term) {
   return std::holds_alternative<Point>(term.primitive) && !term.to_local && term.profiles.empty();
 }
 
-/// Plain points first; equal kinds together: one dispatch serves a run of points, and its branches
-/// stay predicted.
-void sort_by_kind(std::vector<Term>& terms) {
-  const auto kind = [](const Term& term) {
-    return std::tuple(!is_plain_point(term), term.kernel.index(), term.primitive.index());
-  };
-  std::stable_sort(terms.begin(), terms.end(),
-                   [&](const Term& a, const Term& b) { return kind(a) < kind(b); });
+/// From so many terms on whose kernel reaches everywhere, they go into a far field.
+constexpr std::size_t kFewestFar = 400;
+
+/// Whether a term with that far exponent is to go into a far field.
+class FarKinds {
+ public:
+  explicit FarKinds(const std::vector<Term>& terms) {
+    for (const Term& term : terms) {
+      if (far_element(term, 0)) ++count_[*far_exponent(term.kernel)];
+    }
+  }
+  bool holds(const Term& term) const {
+    if (!far_element(term, 0)) return false;
+    return count_.at(*far_exponent(term.kernel)) >= kFewestFar;
+  }
+
+ private:
+  std::map<double, std::size_t> count_;
+};
+
+/// Plain points first, those of far fields last; equal kinds together: one dispatch serves a run of
+/// points, and its branches stay predicted. Returns the number that are not of far fields.
+std::size_t sort_by_kind(std::vector<Term>& terms) {
+  const FarKinds far(terms);
+  using Kind = std::tuple<bool, bool, std::size_t, std::size_t>;
+  std::vector<std::pair<Kind, std::size_t>> order;
+  order.reserve(terms.size());
+  for (const Term& term : terms) {
+    order.push_back(
+        {{far.holds(term), !is_plain_point(term), term.kernel.index(), term.primitive.index()},
+         order.size()});
+  }
+  if (!std::is_sorted(order.begin(), order.end())) {
+    std::sort(order.begin(), order.end());
+    std::vector<Term> sorted;
+    sorted.reserve(terms.size());
+    for (const auto& [kind, i] : order) sorted.push_back(std::move(terms[i]));
+    terms = std::move(sorted);
+  }
+  const auto first_far =
+      std::find_if(order.begin(), order.end(), [](const auto& o) { return std::get<0>(o.first); });
+  return static_cast<std::size_t>(first_far - order.begin());
 }
 
 void collect_points(FieldData& data) {
-  for (const Term& term : data.terms) {
+  for (const Term& term : std::span(data.terms).first(data.plain_count)) {
     if (!is_plain_point(term)) break;
     data.points.push_back(point_source(term.kernel, std::get<Point>(term.primitive), term.sign));
     ++data.point_begin[term.kernel.index() + 1];
@@ -103,17 +144,50 @@ void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
   for (; first != list.end(); ++first) accumulate(data.terms[*first], points, sums);
 }
 
-Aabb surface_bounds(const std::vector<Term>& terms) {
-  // Outside the union of the boxes, each positive term stays under its share of T.
-  const auto positive = static_cast<double>(
-      std::count_if(terms.begin(), terms.end(), [](const Term& t) { return t.sign > 0; }));
+Aabb surface_bounds(const FieldData& data) {
+  // Outside the union of the boxes, each positive term stays under its share of T, and those of the
+  // far fields together under theirs.
+  const std::span terms(data.terms);
+  const auto is_positive = [](const Term& term) { return term.sign > 0; };
+  const auto positive = static_cast<double>(std::count_if(terms.begin(), terms.end(), is_positive));
+  const double share = kThreshold / positive * (1 - 1e-9);
   Aabb box;
-  for (const Term& term : terms) {
+  for (const Term& term : terms.first(data.plain_count)) {
     if (term.sign < 0) continue;
-    const double d = influence_distance(term, kThreshold / positive * (1 - 1e-9));
-    box.include(skeleton_box(term).grown(d));
+    box.include(skeleton_box(term).grown(influence_distance(term, share)));
+  }
+  std::map<double, std::pair<double, double>> mass_and_count;  // by exponent
+  Aabb far;
+  for (const Term& term : terms.subspan(data.plain_count)) {
+    if (term.sign < 0) continue;
+    auto& [mass, count] = mass_and_count[*far_exponent(term.kernel)];
+    mass += far_element(term, 0)->mass();
+    ++count;
+    far.include(skeleton_box(term));
+  }
+  for (const auto& [two_nu, sum] : mass_and_count) {
+    // mass d^(-2 nu) <= count share.
+    const double d = std::pow(sum.first / (sum.second * share), 1 / two_nu) * (1 + 1e-9);
+    box.include(far.grown(d));
   }
   return box;
+}
+
+/// Where the far fields are fast: with some room around the surface.
+void collect_far_fields(FieldData& data) {
+  std::map<double, std::vector<FarElement>> elements;
+  for (std::size_t i = data.plain_count; i < data.terms.size(); ++i) {
+    const Term& term = data.terms[i];
+    elements[*far_exponent(term.kernel)].push_back(
+        *far_element(term, static_cast<std::uint32_t>(i)));
+  }
+  // Terms that are left out and approximations share the budget.
+  const double budget =
+      0.5 * data.error_budget / std::max<double>(1.0, static_cast<double>(elements.size()));
+  for (auto& [two_nu, list] : elements) {
+    const Aabb domain = data.bounds.grown(0.1 * data.bounds.diagonal());
+    data.far.emplace_back(two_nu, std::move(list), data.terms, domain, budget);
+  }
 }
 
 }  // namespace
@@ -122,23 +196,25 @@ Field::Field(std::vector<Term> terms, double error_budget) {
   require(!terms.empty(), "a field needs terms");
   require(error_budget > 0, "the error budget must be positive");
   auto data = std::make_shared<FieldData>();
-  sort_by_kind(terms);
+  data->plain_count = sort_by_kind(terms);
   data->terms = std::move(terms);
   collect_points(*data);
   data->error_budget = error_budget;
-  data->bounds = surface_bounds(data->terms);
+  data->bounds = surface_bounds(*data);
 
-  const double share = error_budget / static_cast<double>(data->terms.size());
+  const double share = (data->plain_count < data->terms.size() ? 0.5 : 1.0) * error_budget /
+                       std::max<double>(1.0, static_cast<double>(data->plain_count));
   std::vector<Aabb> reach;
-  reach.reserve(data->terms.size());
-  for (const Term& term : data->terms) {
+  reach.reserve(data->plain_count);
+  for (const Term& term : std::span(data->terms).first(data->plain_count)) {
     reach.push_back(skeleton_box(term).grown(influence_distance(term, share)));
   }
   data->reach = BoxTree(std::move(reach));
   if (data->bounds.finite()) {
-    data->lattice.edge = data->bounds.diagonal() / blocks_along_diagonal(data->terms.size());
+    data->lattice.edge = data->bounds.diagonal() / blocks_along_diagonal(data->plain_count);
     data->lattice.domain = data->bounds.grown(data->lattice.edge);
   }
+  collect_far_fields(*data);
   data_ = std::move(data);
 }
 
@@ -167,6 +243,8 @@ void Field::evaluate(std::span<const Vec3d> points, std::span<Out> out) const {
   const auto add = [&](const std::vector<std::uint32_t>& list, std::size_t first, std::size_t n) {
     add_terms<Out>(*data_, list, points.subspan(first, n), out.subspan(first, n));
   };
+  for (const FarField& far : data_->far) far.add(points, out);
+  if (data_->plain_count == 0) return;
   if (uniform_) return add(candidates_, 0, points.size());
 
   // Each run of points in one block shares that block's list.
@@ -223,9 +301,11 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   const double negligible = 0.01 * kThreshold / static_cast<double>(data_->terms.size());
   std::vector<SumBound> sums(boxes.size());
   for (const std::uint32_t i : list) add_bounds(data_->terms[i], batch, negligible, sums);
+  std::size_t terms = list.size();
+  for (const FarField& far : data_->far) terms += far.add_bounds(batch, negligible, sums);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    out[i] = widened(range_of(sums[i], list.size(), boxes[i]) - Interval(kThreshold),
-                     data_->error_budget);
+    out[i] =
+        widened(range_of(sums[i], terms, boxes[i]) - Interval(kThreshold), data_->error_budget);
   }
 }
 
@@ -234,10 +314,11 @@ std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
   std::vector<std::uint32_t> list;
   near_terms(box, list);
   std::array<Interval, 3> sum{};
-  for (const std::uint32_t i : list) {
-    const std::array<Interval, 3> g = gradient_bound(data_->terms[i], box);
+  const auto add = [&](const std::array<Interval, 3>& g) {
     for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = sum[axis] + g[axis];
-  }
+  };
+  for (const std::uint32_t i : list) add(gradient_bound(data_->terms[i], box));
+  for (const FarField& far : data_->far) add(far.gradient_bound(box));
   return sum;
 }
 
@@ -252,8 +333,9 @@ double Field::derivative_bound(int order, const Aabb& box) const {
   double sum = 0;
   for (const std::uint32_t i : list) {
     sum += hessian_bound(data_->terms[i], box);
-    if (sum == kInfinity) break;
+    if (sum == kInfinity) return sum;
   }
+  for (const FarField& far : data_->far) sum += far.hessian_bound(box);
   return sum;
 }
 
@@ -283,6 +365,7 @@ void Field::blend(std::span<const Vec3d> points, std::span<const Vec3d> property
   for (const Vec3d& p : points) around.include(p);
   std::vector<std::uint32_t> list;
   near_terms(around, list);
+  for (const FarField& far : data_->far) far.collect(around, kLeastShare, list);
   std::fill(out.begin(), out.end(), Vec3d{});
   std::vector<double> total(points.size(), 0.0);
   std::vector<double> values(points.size());
@@ -312,6 +395,7 @@ void Field::shares(const Vec3d& point, std::vector<MaterialShare>& shares) const
   shares.clear();
   std::vector<std::uint32_t> list;
   near_terms({point, point}, list);
+  for (const FarField& far : data_->far) far.collect({point, point}, kLeastShare, list);
   double total = 0;
   const auto add = [&shares](int material, double weight) {
     for (MaterialShare& share : shares) {

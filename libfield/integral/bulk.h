@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "libfield/base/jet.h"
+#include "libfield/integral/far_sum.h"
 #include "libfield/integral/frames.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/profile/profile.h"
@@ -50,6 +51,9 @@ struct BulkTable {
   BulkWeights<double> weights;
   PointRow<Jet> point_jets;
   PointRow<double> point_values;
+  AddSources add_sources;
+  AddSeries<Jet> series_jets;
+  AddSeries<double> series_values;
 
   template <class Out>
   const BulkRow<Out>& row() const {
@@ -57,6 +61,14 @@ struct BulkTable {
       return values;
     } else {
       return jets;
+    }
+  }
+  template <class Out>
+  AddSeries<Out> add_series() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return series_values;
+    } else {
+      return series_jets;
     }
   }
   template <class Out>

@@ -75,6 +75,69 @@ struct BulkPack {
              [&](const Vec3<T>& p) { return point_sum<K, T>(sources, index, source_count, p); });
   }
 
+  /// A source a lane.
+  [[gnu::flatten]] static void add_sources(double two_nu, int order, const SeriesSource* sources,
+                                           std::size_t count, double* series) {
+    using P = Pack<N>;
+    P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
+    if (count == 0) return;
+    const bool spread = sources[0].moments != nullptr;
+    for (std::size_t first = 0; first < count; first += N) {
+      Vec3<P> d;
+      P s(1.0), weight(0.0);
+      for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
+        const SeriesSource& source = sources[first + lane];
+        const int i = static_cast<int>(lane);
+        d.x.lane[i] = source.d.x, d.y.lane[i] = source.d.y, d.z.lane[i] = source.d.z;
+        s.lane[i] = source.s, weight.lane[i] = source.weight;
+      }
+      kernel_series(two_nu, order, d, s, weight, c);
+      if (spread) {
+        load_moments(sources + first, count - first, moments);
+        series_of_clusters(c, moments, clusters);
+      }
+      const P* add = spread ? clusters : c;
+      visit_powers(
+          [&](int i, int j, int k) {
+            const std::size_t place = series_index(i, j, k);
+            sums[place] += add[place];
+          },
+          order);
+    }
+    for (std::size_t k = 0; k < kSeriesSize; ++k) {
+      for (int lane = 0; lane < N; ++lane) series[k] += sums[k].lane[lane];
+    }
+  }
+
+  /// The moments in the unit of the series.
+  static void load_moments(const SeriesSource* sources, std::size_t count, Pack<N>* moments) {
+    for (std::size_t k = 0; k < kSeriesSize; ++k) moments[k] = Pack<N>(0.0);
+    for (std::size_t lane = 0; lane < N && lane < count; ++lane) {
+      const int i = static_cast<int>(lane);
+      const SeriesSource& source = sources[lane];
+
+      double power[kTaylorOrder + 1] = {1.0};
+      for (int n = 1; n <= kTaylorOrder; ++n) power[n] = power[n - 1] * source.size;
+      visit_powers([&](int a, int b, int e) {
+        const std::size_t k = series_index(a, b, e);
+        moments[k].lane[i] = source.moments[k] * power[a + b + e];
+      });
+    }
+  }
+
+  template <class Out>
+  [[gnu::flatten]] static void add_series(const double* series, const Vec3d& center, double unit,
+                                          const Vec3d* points, Out* sums, std::size_t count) {
+    const T inverse(1.0 / unit);
+    add_each(points, sums, count, [&](const Vec3<T>& p) {
+      const Vec3<T> x{(p.x - T(center.x)) * inverse, (p.y - T(center.y)) * inverse,
+                      (p.z - T(center.z)) * inverse};
+      JetOf<T> jet = series_jet(series, x);
+      jet.gradient = inverse * jet.gradient;
+      return jet;
+    });
+  }
+
   template <class F, class Out>
   [[gnu::flatten]] static void find_weights(const StrengthProfile& profile, const F& frame,
                                             const Vec3d* points, Out* weights, std::size_t count) {
@@ -102,8 +165,8 @@ struct BulkPack {
             &add_points<Quartic, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),        row<double>(), weights<Jet>(),
-            weights<double>(), points<Jet>(), points<double>()};
+    return {row<Jet>(),       row<double>(), weights<Jet>(),   weights<double>(),  points<Jet>(),
+            points<double>(), &add_sources,  &add_series<Jet>, &add_series<double>};
   }
 };
 

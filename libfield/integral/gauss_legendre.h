@@ -20,7 +20,7 @@ struct GaussLegendreRule {
   std::array<double, N / 2> weight;
 };
 
-/// Orders 4, 8, 14, 16, 20, to the last bit of double.
+/// Orders 2, 4, 6, 8, 14, 16, 20, to the last bit of double.
 template <int N>
 inline constexpr GaussLegendreRule<N> kGaussLegendre = {};
 

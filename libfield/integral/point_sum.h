@@ -47,7 +47,8 @@ struct PointLaw<Cauchy> {
   }
   template <class T>
   static PointFall<T> fall(const PointSource& source, const T& u) {
-    const T w = T(1) / fma(u, T(source.rate), T(1));
+    using std::min;
+    const T w = reciprocal(T(min(fma(u, T(source.rate), T(1)), T(1e150))));
     const T w2 = w * w;
     return {T(source.gain) * w2, T(source.slope) * (w2 * w)};
   }

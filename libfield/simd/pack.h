@@ -164,6 +164,9 @@ struct Pack {
 #endif
     return a * b + c;
   }
+  friend Pack reciprocal(const Pack& x) {
+    return Pack(1.0) / x;
+  }
   /// As std::min and std::max: a, unless b is less or greater.
   friend Pack min(const Pack& a, const Pack& b) {
     return select(b < a, b, a);

@@ -95,7 +95,7 @@ def write_list(path, numbers):
 def main(folder):
     with open(f"{folder}/gauss_legendre_table.inc", "w") as out:
         out.write(HEAD)
-        for n in (4, 8, 14, 16, 20):
+        for n in (2, 4, 6, 8, 14, 16, 20):
             rule = legendre_rule(n)
             name = f"GaussLegendreRule<{n}> kGaussLegendre<{n}>"
             out.write(f"template <>\ninline constexpr {name} = {{\n")

@@ -1,0 +1,82 @@
+// The sum of thousands of points and segments whose kernels reach everywhere, at a cost that does
+// not grow with their number: a fast multipole method with the target octree built where it is
+// asked for (Greengard and Rokhlin 1987; Taylor series after Duan and Krasny 2001).
+//
+// A cell of the octree holds the Taylor series about its centre of all that is far from it: what
+// its parent held, moved, and what has become far since. What is never far stays listed: within a
+// leaf an element of the list is summed exactly where it is near, else as a few weighted points
+// (Gauss-Legendre). Every approximation carries a bound of its error (taylor_series.h; for n nodes
+// that of the 2n-th derivative), and the bounds along the way from the root to a leaf add up to at
+// most the error budget.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "libfield/field/source_tree.h"
+#include "libfield/field/term_bounds.h"
+#include "libfield/integral/point_sum.h"
+
+namespace cs2mesh {
+
+/// Immutable to its users: cells are made when a point in them is first asked for, the same ones
+/// whoever asks and in whatever order. Safe to use from any number of threads at once.
+class FarField {
+ public:
+  /// The elements must all have the exponent `two_nu`; they name `terms`, which must outlive this.
+  /// `domain`: where evaluations are fast; elsewhere every element is summed. error_budget > 0.
+  FarField(double two_nu, std::vector<FarElement> elements, const std::vector<Term>& terms,
+           const Aabb& domain, double error_budget);
+  ~FarField();
+  FarField(FarField&&) noexcept;
+  FarField& operator=(FarField&&) = delete;
+
+  /// Adds the field at each point, to within the error budget. The points of one cell are summed
+  /// together, wherever they stand. The values among jets are the same bits as those alone.
+  void add(std::span<const Vec3d> points, std::span<Jet> sums) const;
+  void add(std::span<const Vec3d> points, std::span<double> sums) const;
+
+  /// As add_bounds() of each term, the approximation not counted; returns the number of terms that
+  /// were looked at.
+  std::size_t add_bounds(const BoxBatch& batch, double negligible, std::span<SumBound> sums) const;
+  /// Contains the gradient over the box, the approximation not counted.
+  std::array<Interval, 3> gradient_bound(const Aabb& box) const;
+  /// >= the norm of the second derivative on the box, the approximation not counted.
+  double hessian_bound(const Aabb& box) const;
+
+  /// Appends the terms whose field may exceed `least` somewhere in the box.
+  void collect(const Aabb& box, double least, std::vector<std::uint32_t>& terms) const;
+
+ private:
+  struct Cell;
+  class Sorter;
+
+  template <class Out>
+  void add_grouped(std::span<const Vec3d> points, std::span<Out> sums) const;
+  /// Outside of all cells, where `leaf` is null, every element is summed.
+  template <class Out>
+  void add_cell(const Cell* leaf, std::span<const Vec3d> points, std::span<Out> sums) const;
+  template <class Visit>
+  void visit_unresolved(const Cell& cell, const Visit& visit) const;
+  /// From the lists of its parent, of that many elements.
+  void fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
+            const std::vector<std::uint32_t>& elements, std::size_t listed) const;
+  bool holds_few(const Cell& cell) const;
+  std::unique_ptr<Cell> make_root(const Aabb& domain) const;
+  std::unique_ptr<Cell> make_child(const Cell& parent, int octant) const;
+  const Cell& child(const Cell& parent, int octant) const;
+  const Cell& leaf_of(const Vec3d& p) const;
+  const Cell& smallest_around(const Aabb& box) const;
+
+  double two_nu_;
+  SourceTree tree_;
+  const std::vector<Term>* terms_;
+  std::size_t kernel_;  ///< as in KernelKind
+  double error_budget_;
+  std::vector<PointSource> points_;  ///< each element's law, as of a point of length 1
+  std::unique_ptr<Cell> root_;
+};
+
+}  // namespace cs2mesh

@@ -1,0 +1,212 @@
+#include "libfield/field/source_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libfield/integral/far_sum.h"
+#include "libfield/integral/gauss_legendre.h"
+
+namespace cs2mesh {
+namespace {
+
+constexpr std::uint32_t kLeafSize = 32;
+
+/// The weight and tau of a unit of length, or of a point.
+struct FarLaw {
+  double two_nu, weight, tau;
+};
+
+std::optional<FarLaw> law_of(const Kernel& kernel) {
+  if (const auto* cauchy = std::get_if<Cauchy>(&kernel)) {
+    const double tau = 1 / (cauchy->s * cauchy->s);
+    return FarLaw{4.0, cauchy->amplitude * tau * tau, tau};
+  }
+  if (const auto* inverse = std::get_if<Inverse>(&kernel))
+    return FarLaw{1.0, inverse->amplitude, 0};
+  if (const auto* squared = std::get_if<Squared>(&kernel))
+    return FarLaw{2.0, squared->amplitude, 0};
+  return std::nullopt;
+}
+
+/// (-q)^k / k! times `weight`, added to the moments.
+void add_place(const Vec3d& q, double weight, Series& moments) {
+  double x = weight;
+  for (int a = 0; a <= kTaylorOrder; ++a) {
+    double xy = x;
+    for (int b = 0; a + b <= kTaylorOrder; ++b) {
+      double xyz = xy;
+      for (int c = 0; a + b + c <= kTaylorOrder; ++c) {
+        moments[series_index(a, b, c)] += xyz;
+        xyz *= -q.z / (c + 1);
+      }
+      xy *= -q.y / (b + 1);
+    }
+    x *= -q.x / (a + 1);
+  }
+}
+
+}  // namespace
+
+std::optional<double> far_exponent(const Kernel& kernel) {
+  const std::optional<FarLaw> law = law_of(kernel);
+  if (!law) return std::nullopt;
+  return law->two_nu;
+}
+
+std::optional<FarElement> far_element(const Term& term, std::uint32_t index) {
+  const std::optional<FarLaw> law = law_of(term.kernel);
+  if (!law || term.to_local || !term.profiles.empty()) return std::nullopt;
+  FarElement element;
+  if (const auto* point = std::get_if<Point>(&term.primitive)) {
+    element.a = element.b = point->position;
+  } else if (const auto* segment = std::get_if<Segment>(&term.primitive)) {
+    element.a = segment->a, element.b = segment->b;
+    element.length = std::get<SegmentFrame<double>>(term.frame).length;
+    if (!(element.length > 0)) return std::nullopt;
+  } else {
+    return std::nullopt;
+  }
+  element.weight = term.sign * law->weight;
+  element.tau = law->tau;
+  element.term = index;
+  // Products of powers of these stay finite.
+  const auto moderate = [](double x) { return x < 1e30 && x > 1e-30; };
+  const double reach = std::max({norm(element.a), norm(element.b), 1e-20});
+  if (!moderate(element.mass()) || !moderate(reach) || !(law->tau < 1e30)) return std::nullopt;
+  return element;
+}
+
+double distance(const FarElement& element, const Vec3d& p) {
+  if (!(element.length > 0)) return norm(p - element.a);
+  return distance(Segment{element.a, element.b}, p);
+}
+
+SourceTree::SourceTree(std::vector<FarElement> elements) : elements_(std::move(elements)) {
+  if (elements_.empty()) return;
+  nodes_.reserve(elements_.size() / 4 + 4);
+  build(0, static_cast<std::uint32_t>(elements_.size()));
+  first_moments_.reserve(nodes_.size());
+  std::size_t sets = 0;
+  for (const SourceNode& node : nodes_) {
+    first_moments_.push_back(sets);
+    sets += node.tau_spread > 0 ? kTauOrders : 1;
+  }
+  moments_.resize(sets);
+  // Children come after their parents.
+  for (auto i = static_cast<std::uint32_t>(nodes_.size()); i-- > 0;) measure(i);
+}
+
+std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
+  const auto self = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  SourceNode node;
+  node.first = first, node.count = count;
+  node.least_tau = std::numeric_limits<double>::infinity();
+  Aabb middles;
+  double largest_tau = 0.0;
+  for (std::uint32_t i = first; i < first + count; ++i) {
+    const FarElement& element = elements_[i];
+    node.box.include(element.box());
+    middles.include(element.middle());
+    node.mass += element.mass();
+    node.least_tau = std::min(node.least_tau, element.tau);
+    largest_tau = std::max(largest_tau, element.tau);
+  }
+  node.tau_spread = 0.5 * (largest_tau - node.least_tau);
+  node.tau = node.least_tau + node.tau_spread;
+  node.center = node.box.center();
+  node.radius = std::max(0.5 * node.box.diagonal() * (1 + 1e-15), 1e-100);
+  if (count > kLeafSize) {
+    const Vec3d extent = middles.extent();
+    const std::size_t axis = extent.x >= extent.y && extent.x >= extent.z ? 0
+                             : extent.y >= extent.z                       ? 1
+                                                                          : 2;
+    const std::uint32_t half = count / 2;
+    const auto begin = elements_.begin() + first;
+    std::nth_element(begin, begin + half, begin + count,
+                     [&](const FarElement& a, const FarElement& b) {
+                       const double ka = a.middle()[axis], kb = b.middle()[axis];
+                       return ka != kb ? ka < kb : a.term < b.term;
+                     });
+    build(first, half);
+    node.right = build(first + half, count - half);
+  }
+  nodes_[self] = node;
+  return self;
+}
+
+void SourceTree::measure(std::uint32_t index) {
+  const SourceNode& node = nodes_[index];
+  const std::span<Series> moments(moments_.data() + first_moments_[index],
+                                  node.tau_spread > 0 ? kTauOrders : 1);
+  for (Series& series : moments) series.fill(0.0);
+  if (node.right == 0) {
+    measure_leaf(node, moments);
+  } else {
+    take_over(node, index + 1, moments);
+    take_over(node, node.right, moments);
+  }
+}
+
+void SourceTree::measure_leaf(const SourceNode& node, std::span<Series> moments) const {
+  const double inverse = 1 / node.radius;
+  for (const FarElement& element : std::span(elements_).subspan(node.first, node.count)) {
+    Series own{};
+    if (element.length > 0) {
+      // Six nodes integrate all powers that count exactly.
+      constexpr const UnitRule<6>& rule = kUnitRule<6>;
+      for (std::size_t i = 0; i < 6; ++i) {
+        const Vec3d q = element.a + rule.node[i] * (element.b - element.a);
+        add_place(inverse * (q - node.center), element.weight * element.length * rule.weight[i],
+                  own);
+      }
+    } else {
+      add_place(inverse * (element.a - node.center), element.weight, own);
+    }
+    double power = 1.0;
+    for (Series& series : moments) {
+      for (std::size_t k = 0; k < kSeriesSize; ++k) series[k] += power * own[k];
+      if (moments.size() > 1) power *= (element.tau - node.tau) / node.tau_spread;
+    }
+  }
+}
+
+/// Adds the moments of a child about the centre and the tau of its parent: with q = q' + shift,
+/// (-q)^k / k! is a sum of products of such powers of q' and of the shift.
+void SourceTree::take_over(const SourceNode& node, std::uint32_t child,
+                           std::span<Series> moments) const {
+  const SourceNode& part = nodes_[child];
+  Series shift{};
+  add_place((part.center - node.center) / node.radius, 1.0, shift);
+  std::array<double, kTaylorOrder + 1> power{1.0};
+  for (std::size_t n = 1; n < power.size(); ++n) {
+    power[n] = power[n - 1] * part.radius / node.radius;
+  }
+  // t = scale t' + move.
+  const double unit = node.tau_spread > 0 ? 1 / node.tau_spread : 0.0;
+  const double scale = part.tau_spread * unit, move = (part.tau - node.tau) * unit;
+  const std::array<std::array<double, kTauOrders>, kTauOrders> by = {
+      {{1, 0, 0}, {move, scale, 0}, {move * move, 2 * move * scale, scale * scale}}};
+  const std::size_t sets = part.tau_spread > 0 ? kTauOrders : 1;
+  visit_powers([&](int a, int b, int c) {
+    const std::size_t place = series_index(a, b, c);
+    const int rest = kTaylorOrder - a - b - c;
+    for (std::size_t j = 0; j < moments.size(); ++j) {
+      double m = 0.0;
+      for (std::size_t i = 0; i < sets; ++i) {
+        m += by[j][i] * moments_[first_moments_[child] + i][place];
+      }
+      m *= power[static_cast<std::size_t>(a + b + c)];
+      for (int x = 0; x <= rest; ++x) {
+        for (int y = 0; x + y <= rest; ++y) {
+          double* to = moments[j].data() + series_index(a + x, b + y, c);
+          const double* from = shift.data() + series_index(x, y, 0);
+          for (int z = 0; x + y + z <= rest; ++z) to[z] += m * from[z];
+        }
+      }
+    }
+  });
+}
+
+}  // namespace cs2mesh

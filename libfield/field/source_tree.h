@@ -1,0 +1,90 @@
+// The sources of a far field: points and segments of one kernel in a binary tree, each node with
+// what its elements are together when seen from afar.
+//
+// Legend: nu, tau as in taylor_series.h; the field of an element of weight w is
+// w int (|p - q|^2 + tau)^-nu dq, over the element or at its one point.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "libfield/base/aabb.h"
+#include "libfield/field/term.h"
+#include "libfield/integral/taylor_series.h"
+
+namespace cs2mesh {
+
+/// A point (length 0) or a segment from `a` to `b`.
+struct FarElement {
+  Vec3d a, b;
+  double length = 0.0;
+  double weight = 0.0;  ///< signed
+  double tau = 0.0;
+  std::uint32_t term = 0;
+
+  /// Of the absolute value.
+  double mass() const { return std::abs(weight) * (length > 0 ? length : 1.0); }
+  Vec3d middle() const { return 0.5 * (a + b); }
+  Aabb box() const {
+    Aabb box;
+    box.include(a);
+    box.include(b);
+    return box;
+  }
+};
+
+/// 2 nu of a kernel that reaches far as a power; none for the others.
+std::optional<double> far_exponent(const Kernel& kernel);
+
+/// The element of a term, if its kernel has a far exponent and it is a point or a segment of
+/// moderate numbers, without profile and transformation.
+std::optional<FarElement> far_element(const Term& term, std::uint32_t index);
+
+/// The distance from p to an element.
+double distance(const FarElement& element, const Vec3d& p);
+
+struct SourceNode {
+  Aabb box;
+  Vec3d center;
+  double radius = 0.0;  ///< about the centre, rounded up
+  double mass = 0.0;
+  double least_tau = 0.0;              ///< of the elements
+  double tau = 0.0;                    ///< half way to the greatest
+  double tau_spread = 0.0;             ///< the greatest distance from there
+  std::uint32_t first = 0, count = 0;  ///< its elements
+  std::uint32_t right = 0;             ///< the child that is not the next node; 0 for a leaf
+};
+
+/// Powers of tau's differences that moments are kept for, 0 included; see SourceTree::moments.
+inline constexpr int kTauOrders = 3;
+
+/// Immutable. Built in O(n log n); 200 to 500 bytes an element.
+class SourceTree {
+ public:
+  SourceTree() = default;
+  /// The elements are reordered.
+  explicit SourceTree(std::vector<FarElement> elements);
+
+  const std::vector<FarElement>& elements() const { return elements_; }
+  const SourceNode& node(std::uint32_t index) const { return nodes_[index]; }
+  /// sum w t^j int (-q)^k / k! dq over the elements of a node, q from its centre in units of its
+  /// radius, t from its tau in units of its spread; j < kTauOrders, 0 alone if there is no spread.
+  const double* moments(std::uint32_t node, int j) const {
+    return moments_[first_moments_[node] + static_cast<std::size_t>(j)].data();
+  }
+
+ private:
+  std::uint32_t build(std::uint32_t first, std::uint32_t count);
+  void measure(std::uint32_t node);
+  void measure_leaf(const SourceNode& node, std::span<Series> moments) const;
+  void take_over(const SourceNode& node, std::uint32_t child, std::span<Series> moments) const;
+
+  std::vector<FarElement> elements_;
+  std::vector<SourceNode> nodes_;
+  std::vector<Series> moments_;
+  std::vector<std::size_t> first_moments_;  ///< by node
+};
+
+}  // namespace cs2mesh

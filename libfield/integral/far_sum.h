@@ -1,0 +1,71 @@
+// Series of far sources, and sums of series, over packs; the entries of a bulk table that a far
+// field needs (see field/far_field.h, taylor_series.h).
+#pragma once
+
+#include <cstddef>
+
+#include "libfield/integral/taylor_series.h"
+
+namespace cs2mesh {
+
+/// A source as seen from the centre of a series, all lengths in the unit of the series.
+struct SeriesSource {
+  Vec3d d;            ///< from the source to the centre
+  double s = 0;       ///< |d|^2 + tau
+  double weight = 0;  ///< times S^-nu: the field at the centre, were all of it in one place
+  /// sum w (-q)^k / k! over the parts w at q (from the source's centre, in units of `size`);
+  /// null for a single place of weight 1.
+  const double* moments = nullptr;
+  double size = 1;
+};
+
+/// Adds the series of the sources to `series`, up to that order. Either all of them have moments,
+/// and the order is kTaylorOrder, or none.
+using AddSources = void (*)(double two_nu, int order, const SeriesSource* sources,
+                            std::size_t count, double* series);
+
+/// Adds the series at each of the points, x = (p - center) / unit; as a value or as a jet.
+template <class Out>
+using AddSeries = void (*)(const double* series, const Vec3d& center, double unit,
+                           const Vec3d* points, Out* sums, std::size_t count);
+
+namespace detail {
+
+/// k! by place.
+inline constexpr std::array<double, kSeriesSize> kFactorials = [] {
+  std::array<double, kTaylorOrder + 1> factorial{1.0};
+  for (std::size_t n = 1; n < factorial.size(); ++n) {
+    factorial[n] = factorial[n - 1] * static_cast<double>(n);
+  }
+  std::array<double, kSeriesSize> all{};
+  visit_powers([&](int a, int b, int c) {
+    all[series_index(a, b, c)] = factorial[static_cast<std::size_t>(a)] *
+                                 factorial[static_cast<std::size_t>(b)] *
+                                 factorial[static_cast<std::size_t>(c)];
+  });
+  return all;
+}();
+
+/// The series of clusters from that of their centres, lane by lane, into `out`:
+///     out_k = 1 / k! sum_m (k + m)! c_(k + m) M_m.
+template <class T>
+void series_of_clusters(const T* c, const T* moments, T* out) {
+  std::array<T, kSeriesSize> derivative;
+  for (std::size_t i = 0; i < kSeriesSize; ++i) derivative[i] = c[i] * T(kFactorials[i]);
+  visit_powers([&](int a, int b, int e) {
+    const int rest = kTaylorOrder - a - b - e;
+    T sum(0);
+    for (int i = 0; i <= rest; ++i) {
+      for (int j = 0; i + j <= rest; ++j) {
+        const T* from = derivative.data() + series_index(a + i, b + j, e);
+        const T* moment = moments + series_index(i, j, 0);
+        for (int k = 0; i + j + k <= rest; ++k) sum = fma(from[k], moment[k], sum);
+      }
+    }
+    const std::size_t place = series_index(a, b, e);
+    out[place] = sum * T(1.0 / kFactorials[place]);
+  });
+}
+
+}  // namespace detail
+}  // namespace cs2mesh

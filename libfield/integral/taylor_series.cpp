@@ -1,0 +1,57 @@
+#include "libfield/integral/taylor_series.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace cs2mesh {
+namespace {
+
+/// Replaces the polynomial sum of p[i] t^i, i <= degree, by that in t' with t = offset + scale t'.
+template <class At>
+void recenter_line(int degree, double offset, double scale, const At& at) {
+  // Horner's scheme, repeated: Taylor coefficients at `offset`.
+  for (int i = 0; i < degree; ++i) {
+    for (int j = degree - 1; j >= i; --j) at(j) += offset * at(j + 1);
+  }
+  double power = 1.0;
+  for (int i = 0; i <= degree; ++i, power *= scale) at(i) *= power;
+}
+
+}  // namespace
+
+Series recentered(const Series& series, const Vec3d& offset, double scale) {
+  Series out = series;
+  // One axis after the other; (a, b) are the powers of the other two.
+  const auto every_line = [](const auto& line) {
+    for (int a = 0; a <= kTaylorOrder; ++a) {
+      for (int b = 0; a + b <= kTaylorOrder; ++b) line(a, b, kTaylorOrder - a - b);
+    }
+  };
+  every_line([&](int a, int b, int degree) {
+    recenter_line(degree, offset.z, scale,
+                  [&](int i) -> double& { return out[series_index(a, b, i)]; });
+  });
+  every_line([&](int a, int c, int degree) {
+    recenter_line(degree, offset.y, scale,
+                  [&](int i) -> double& { return out[series_index(a, i, c)]; });
+  });
+  every_line([&](int b, int c, int degree) {
+    recenter_line(degree, offset.x, scale,
+                  [&](int i) -> double& { return out[series_index(i, b, c)]; });
+  });
+  return out;
+}
+
+double second_derivative_bound(const Series& series) {
+  // The norm is at most that of the matrix of bounds, which is at most its greatest row sum.
+  std::array<double, 3> row{};
+  visit_powers([&](int a, int b, int c) {
+    const double size = std::abs(series[series_index(a, b, c)]);
+    row[0] += size * a * (a - 1 + b + c);
+    row[1] += size * b * (a + b - 1 + c);
+    row[2] += size * c * (a + b + c - 1);
+  });
+  return std::max({row[0], row[1], row[2]}) * (1 + 1e-12);
+}
+
+}  // namespace cs2mesh

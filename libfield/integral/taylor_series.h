@@ -1,0 +1,141 @@
+// Polynomials of three variables and total degree kTaylorOrder, as they stand for the part of a
+// field that comes from far away, and the Taylor series of the kernels that reach that far,
+//     g(x) = (|d + x|^2 + tau)^-nu,
+// whose coefficients c_k, k a multi-index of length n, follow one another (Duan and Krasny 2001):
+//     S n c_k = -(2n - 2 + 2 nu) sum_i d_i c_(k - e_i) - (n - 2 + 2 nu) sum_i c_(k - 2 e_i),
+// S = |d|^2 + tau. What is left out is bounded by Gegenbauer polynomials, whose greatest value is
+// binomial(m + 2 nu - 1, m): with q = |x| / sqrt(S) < 1,
+//     |g - series| <= S^-nu sum_(m > order) binomial(m + 2 nu - 1, m) q^m.
+//
+// Legend: nu the kernel's exponent (Cauchy 2, inverse squared 1, inverse 1/2), tau its own squared
+// length (1 / s^2, 0, 0); d from the source to the centre of the series.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+
+#include "libfield/base/jet.h"
+#include "libfield/simd/lanes.h"
+
+namespace cs2mesh {
+
+inline constexpr int kTaylorOrder = 10;
+
+namespace detail {
+
+struct SeriesRows {
+  static constexpr int kWidth = kTaylorOrder + 1;
+  /// Where the coefficients of x^a y^b begin; those of z^c follow in order.
+  std::array<std::array<int, kWidth>, kWidth> begin{};
+  int size = 0;
+
+  constexpr SeriesRows() {
+    for (int a = 0; a <= kTaylorOrder; ++a) {
+      for (int b = 0; a + b <= kTaylorOrder; ++b) {
+        begin[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)] = size;
+        size += kTaylorOrder + 1 - a - b;
+      }
+    }
+  }
+};
+inline constexpr SeriesRows kSeriesRows{};
+
+}  // namespace detail
+
+inline constexpr std::size_t kSeriesSize = detail::kSeriesRows.size;
+
+/// The place of the coefficient of x^a y^b z^c, a + b + c <= kTaylorOrder.
+constexpr std::size_t series_index(int a, int b, int c) {
+  return static_cast<std::size_t>(
+      detail::kSeriesRows.begin[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)] + c);
+}
+
+/// Calls visit(a, b, c) for every coefficient, lower powers before higher ones.
+template <class Visit>
+constexpr void visit_powers(const Visit& visit, int order = kTaylorOrder) {
+  for (int a = 0; a <= order; ++a) {
+    for (int b = 0; a + b <= order; ++b) {
+      for (int c = 0; a + b + c <= order; ++c) visit(a, b, c);
+    }
+  }
+}
+
+/// sum c_k x^k.
+using Series = std::array<double, kSeriesSize>;
+
+/// Value and gradient of a series at x.
+template <class T>
+JetOf<T> series_jet(const double* series, const Vec3<T>& x) {
+  using std::fma;
+  JetOf<T> sum{};
+  for (int a = kTaylorOrder; a >= 0; --a) {
+    T value(0), by_y(0), by_z(0);
+    for (int b = kTaylorOrder - a; b >= 0; --b) {
+      const double* row = series + series_index(a, b, 0);
+      T in_z(0), slope(0);
+      for (int c = kTaylorOrder - a - b; c >= 0; --c) {
+        slope = fma(slope, x.z, in_z);
+        in_z = fma(in_z, x.z, T(row[c]));
+      }
+      by_y = fma(by_y, x.y, value);
+      by_z = fma(by_z, x.y, slope);
+      value = fma(value, x.y, in_z);
+    }
+    sum.gradient.x = fma(sum.gradient.x, x.x, sum.value);
+    sum.gradient.y = fma(sum.gradient.y, x.x, by_y);
+    sum.gradient.z = fma(sum.gradient.z, x.x, by_z);
+    sum.value = fma(sum.value, x.x, value);
+  }
+  return sum;
+}
+
+/// The coefficients c_k, up to that order, of (|d + x|^2 + tau)^-nu for S = |d|^2 + tau; `power` is
+/// S^-nu.
+template <class T>
+void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const T& power, T* c) {
+  const T inverse = T(1) / s;
+  // The factors of the recurrence by degree.
+  std::array<T, kTaylorOrder + 1> first, second;
+  for (int n = 1; n <= order; ++n) {
+    const auto i = static_cast<std::size_t>(n);
+    first[i] = inverse * T(-(2 * n - 2 + two_nu) / n);
+    second[i] = inverse * T(-(n - 2 + two_nu) / n);
+  }
+  visit_powers(
+      [&](int i, int j, int k) {
+        if (i + j + k == 0) {
+          c[0] = power;
+          return;
+        }
+        T near(0), next(0);
+        if (i > 0) near = d.x * c[series_index(i - 1, j, k)];
+        if (j > 0) near = near + d.y * c[series_index(i, j - 1, k)];
+        if (k > 0) near = near + d.z * c[series_index(i, j, k - 1)];
+        if (i > 1) next = c[series_index(i - 2, j, k)];
+        if (j > 1) next = next + c[series_index(i, j - 2, k)];
+        if (k > 1) next = next + c[series_index(i, j, k - 2)];
+        const auto n = static_cast<std::size_t>(i + j + k);
+        c[series_index(i, j, k)] = first[n] * near + second[n] * next;
+      },
+      order);
+}
+
+/// sum_(m > order) binomial(m + 2 nu - 1, m) q^m, rounded up; infinite from q = 1 on.
+inline double series_remainder(double two_nu, double q, int order = kTaylorOrder) {
+  double term = 1.0;
+  for (int m = 1; m <= order + 1; ++m) term *= q * (m + two_nu - 1) / m;
+  // The ratio of two terms falls or rises towards q.
+  const double ratio = q * std::max(1.0, (order + 1 + two_nu) / (order + 2));
+  return ratio < 1.0 ? term / (1.0 - ratio) * (1 + 1e-12) : std::numeric_limits<double>::infinity();
+}
+
+/// The same polynomial about another centre and in another unit: x = offset + scale x'.
+Series recentered(const Series& series, const Vec3d& offset, double scale);
+
+/// An upper bound of the operator norm of the second derivative where all |x_i| <= 1.
+double second_derivative_bound(const Series& series);
+
+}  // namespace cs2mesh
