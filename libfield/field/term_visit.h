@@ -1,6 +1,8 @@
 // How the sources of terms look into them: each kernel with each primitive, one at a time.
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -71,6 +73,20 @@ Out part_of(const Jet& jet) {
   }
 }
 
+/// Up to 64 points near or over a Cauchy triangle: those that the closed form leaves over go one by
+/// one.
+template <class Out>
+void add_triangle_run(const Term& term, const Cauchy& kernel, const Triangle& triangle, double sign,
+                      std::span<const Vec3d> points, std::span<Out> sums) {
+  std::array<double, 64 + kMostLanes> left{};
+  bulk_table().try_triangle<Out>()(kernel, std::get<TriangleFrame<double>>(term.frame), sign,
+                                   points.data(), sums.data(), left.data(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (left[i] == 0.0) continue;
+    sums[i] += sign * part_of<Out>(integral_of(term, kernel, triangle, points[i]));
+  }
+}
+
 /// Adds sign * integral at each point: jets, or values alone.
 template <class K, class P, class Out>
 void add_integrals(const Term& term, const K& kernel, const P& primitive, double sign,
@@ -90,7 +106,16 @@ void add_integrals(const Term& term, const K& kernel, const P& primitive, double
       return;
     }
   }
-  for (std::size_t i = 0; i < points.size(); ++i) {
+  std::size_t first = 0;
+  if constexpr (std::is_same_v<K, Cauchy> && std::is_same_v<P, Triangle>) {
+    constexpr std::size_t kRun = 64;
+    for (; points.size() - first >= kBulkCount; first += std::min(kRun, points.size() - first)) {
+      add_triangle_run(term, kernel, primitive, sign,
+                       points.subspan(first, std::min(kRun, points.size() - first)),
+                       sums.subspan(first));
+    }
+  }
+  for (std::size_t i = first; i < points.size(); ++i) {
     sums[i] += sign * part_of<Out>(integral_of(term, kernel, primitive, points[i]));
   }
 }

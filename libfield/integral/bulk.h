@@ -25,6 +25,13 @@ template <class K, class F, class Out>
 using AddIntegrals = void (*)(const K& kernel, const F& frame, double sign, const Vec3d* points,
                               Out* sums, std::size_t count);
 
+/// Adds sign * integral(kernel, frame, points[i]) where the closed form keeps its digits; counts
+/// where it does not in left[i], which is as long as the points, and kMostLanes longer.
+template <class Out>
+using TryTriangle = void (*)(const Cauchy& kernel, const TriangleFrame<double>& frame, double sign,
+                             const Vec3d* points, Out* sums, double* left, std::size_t count);
+inline constexpr std::size_t kMostLanes = 16;
+
 template <class Out>
 using BulkRow = std::tuple<AddIntegrals<Cauchy, SegmentFrame<double>, Out>,
                            AddIntegrals<Cauchy, ArcFrame<double>, Out>,
@@ -51,6 +58,8 @@ struct BulkTable {
   BulkWeights<double> weights;
   PointRow<Jet> point_jets;
   PointRow<double> point_values;
+  TryTriangle<Jet> triangle_jets;
+  TryTriangle<double> triangle_values;
   AddSources add_sources;
   AddSeries<Jet> series_jets;
   AddSeries<double> series_values;
@@ -69,6 +78,14 @@ struct BulkTable {
       return series_values;
     } else {
       return series_jets;
+    }
+  }
+  template <class Out>
+  TryTriangle<Out> try_triangle() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return triangle_values;
+    } else {
+      return triangle_jets;
     }
   }
   template <class Out>

@@ -4,6 +4,7 @@
 #include "libfield/integral/bulk.h"
 #include "libfield/integral/cauchy_arc.h"
 #include "libfield/integral/cauchy_segment.h"
+#include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/inverse_segment.h"
 #include "libfield/integral/support_segment.h"
@@ -73,6 +74,23 @@ struct BulkPack {
                                           std::size_t count) {
     add_each(points, sums, count,
              [&](const Vec3<T>& p) { return point_sum<K, T>(sources, index, source_count, p); });
+  }
+
+  template <class Out>
+  [[gnu::flatten]] static void try_triangle(const Cauchy& kernel,
+                                            const TriangleFrame<double>& frame, double sign,
+                                            const Vec3d* points, Out* sums, double* left,
+                                            std::size_t count) {
+    const TriangleFrame<T> lanes(frame);
+    const T s(kernel.s), factor(kernel.amplitude);
+    add_each(points, sums, count, [&](const Vec3<T>& p) {
+      const TriangleTrial<T> trial = cauchy_triangle_closed(s, lanes, p);
+      const T missed = select(trial.good, T(0), T(1));
+      cs2mesh::add_to<N>(missed.first, left);
+      cs2mesh::add_to<N>(missed.second, left + N);
+      left += kLanes;
+      return T(sign) * select(trial.good, factor * trial.jet, JetOf<T>{});
+    });
   }
 
   /// A source a lane.
@@ -165,8 +183,9 @@ struct BulkPack {
             &add_points<Quartic, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),       row<double>(), weights<Jet>(),   weights<double>(),  points<Jet>(),
-            points<double>(), &add_sources,  &add_series<Jet>, &add_series<double>};
+    return {row<Jet>(),    row<double>(),    weights<Jet>(),     weights<double>(),
+            points<Jet>(), points<double>(), &try_triangle<Jet>, &try_triangle<double>,
+            &add_sources,  &add_series<Jet>, &add_series<double>};
   }
 };
 

@@ -146,7 +146,7 @@ TriangleSums<T> cauchy_edges(const T& s, const TriangleFrame<T>& triangle,
     const auto& edge = triangle.edge[i];
     const T t1 = -dot(d[i], edge.along);
     const T t2 = -dot(d[(i + 1) % 3], edge.along);
-    const T e = -dot(abs(t1) < abs(t2) ? d[i] : d[(i + 1) % 3], edge.outward);
+    const T e = -dot(select(abs(t1) < abs(t2), d[i], d[(i + 1) % 3]), edge.outward);
     const CauchyLine<T> line = cauchy_line(s, t1, t2, edge.length, T(e * e + z * z));
     const T value = e * line.j1;
     const T normal = value + e * (big_q * line.j2);
@@ -165,49 +165,70 @@ TriangleSums<T> cauchy_edges(const T& s, const TriangleFrame<T>& triangle,
 /// eps (|f| + |grad f| l) and eps (|grad f| + |Hessian| l), l the distance of the farthest vertex.
 /// The greater of 4 s^2 f / (1 + s^2 l^2) and |grad f|^2 / f stands for the Hessian, which neither
 /// exceeds by much. (A value that cancellation made negative fails.)
-inline bool well_conditioned(const Jet& jet, double value_size, double gradient_size, double s2,
-                             double squared_scale) {
-  constexpr double kGrowth = 4.0;
-  const double slope = norm(jet.gradient);
-  const double scale = std::sqrt(squared_scale);
-  const double curvature =
-      std::max(4.0 * s2 * jet.value / (1.0 + s2 * squared_scale), slope * (slope / jet.value));
-  return jet.value > 0.0 && value_size < kGrowth * (jet.value + slope * scale) &&
-         gradient_size < kGrowth * (slope + curvature * scale);
+template <class T>
+MaskOf<T> well_conditioned(const JetOf<T>& jet, const T& value_size, const T& gradient_size,
+                           const T& s2, const T& squared_scale) {
+  using std::max;
+  using std::sqrt;
+  const T growth(4.0);
+  const T slope = sqrt(squared_norm(jet.gradient));
+  const T scale = sqrt(squared_scale);
+  const T curvature =
+      max(T(T(4) * s2 * jet.value / (T(1) + s2 * squared_scale)), T(slope * (slope / jet.value)));
+  return (jet.value > T(0)) & (value_size < growth * (jet.value + slope * scale)) &
+         (gradient_size < growth * (slope + curvature * scale));
 }
 
+/// The closed form, and where it keeps its digits.
 template <class T>
-JetOf<T> unit_cauchy_triangle(const T& s, const TriangleFrame<T>& triangle, const Vec3<T>& point) {
+struct TriangleTrial {
+  JetOf<T> jet;  ///< of the unit kernel; 0 too far away
+  MaskOf<T> good;
+  T z;  ///< height of p over the plane
+};
+
+template <class T>
+TriangleTrial<T> cauchy_triangle_closed(const T& s, const TriangleFrame<T>& triangle,
+                                        const Vec3<T>& point) {
+  using std::abs;
+  using std::max;
   std::array<Vec3<T>, 3> d;
   std::array<T, 3> u;
   for (std::size_t i = 0; i < 3; ++i) {
     d[i] = point - triangle.vertex[i];
     u[i] = squared_norm(d[i]);
   }
-  if (!(u[0] < T(kFarSquared)) || !(triangle.height > T(0))) return {};
   // From the nearest vertex: its difference carries the smallest rounding error.
-  const std::size_t nearest = u[0] < u[1] ? (u[0] < u[2] ? 0 : 2) : (u[1] < u[2] ? 1 : 2);
-  const T z = dot(d[nearest], triangle.normal);
+  const auto first = (u[0] < u[1]) & (u[0] < u[2]);
+  const Vec3<T> nearest = select(first, d[0], select(u[1] < u[2], d[1], d[2]));
+  const T z = dot(nearest, triangle.normal);
   const T s2 = s * s;
   const T big_q = T(1) + s2 * (z * z);
-  if constexpr (kIsDouble<T>) {
-    // Hopeless from the outset: wide or high above.
-    if (big_q > 4.0 * s2 * (triangle.height * triangle.height)) {
-      return cauchy_triangle_tensor(s, triangle, point, z);
-    }
-  }
   const TriangleSums<T> sums = cauchy_edges(s, triangle, d, z);
   const T half = T(0.5) / big_q;
   const T lift = -s2 * z * (T(4) * half * half);
   const JetOf<T> jet{half * sums.value, sums.inward + (lift * sums.normal) * triangle.normal};
+  const auto near = u[0] < T(kFarSquared);
+  MaskOf<T> good(true);
   if constexpr (kIsDouble<T>) {
-    const double gradient_size = sums.inward_size + std::abs(lift) * sums.normal_size;
-    if (!well_conditioned(jet, half * sums.value_size, gradient_size, s2,
-                          std::max({u[0], u[1], u[2]}))) {
-      return cauchy_triangle_tensor(s, triangle, point, z);
-    }
+    const T gradient_size = sums.inward_size + abs(lift) * sums.normal_size;
+    // Hopeless from the outset: wide or high above.
+    good = (big_q <= T(4) * s2 * (triangle.height * triangle.height)) &
+           well_conditioned(jet, T(half * sums.value_size), gradient_size, s2,
+                            T(max(max(u[0], u[1]), u[2])));
+    good = good | !MaskOf<T>(near);
   }
-  return jet;
+  return {select(near, jet, JetOf<T>{}), good, z};
+}
+
+template <class T>
+JetOf<T> unit_cauchy_triangle(const T& s, const TriangleFrame<T>& triangle, const Vec3<T>& point) {
+  if (!(triangle.height > T(0))) return {};
+  const TriangleTrial<T> trial = cauchy_triangle_closed(s, triangle, point);
+  if constexpr (kIsDouble<T>) {
+    if (!trial.good) return cauchy_triangle_tensor(s, triangle, point, trial.z);
+  }
+  return trial.jet;
 }
 
 }  // namespace detail

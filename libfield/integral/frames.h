@@ -155,6 +155,15 @@ struct TriangleFrame {
     const T length = edge[0].length;
     foot = std::min(std::max(T(dot(left, along)), T(0)), length);
   }
+  /// The same frame in another number type.
+  template <class U>
+  explicit TriangleFrame(const TriangleFrame<U>& f)
+      : normal(f.normal), height(f.height), foot(f.foot) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      vertex[i] = Vec3<T>(f.vertex[i]);
+      edge[i] = {Vec3<T>(f.edge[i].along), Vec3<T>(f.edge[i].outward), T(f.edge[i].length)};
+    }
+  }
 };
 
 }  // namespace cs2mesh

@@ -47,8 +47,7 @@ struct PointLaw<Cauchy> {
   }
   template <class T>
   static PointFall<T> fall(const PointSource& source, const T& u) {
-    using std::min;
-    const T w = reciprocal(T(min(fma(u, T(source.rate), T(1)), T(1e150))));
+    const T w = T(1) / fma(u, T(source.rate), T(1));
     const T w2 = w * w;
     return {T(source.gain) * w2, T(source.slope) * (w2 * w)};
   }
@@ -159,6 +158,24 @@ struct PointLaw<Quartic> {
   }
 };
 
+/// A place as seen from a source.
+template <class T>
+struct PointPlace {
+  T x, y, z, u;
+
+  PointPlace(const PointSource& source, const Vec3<T>& p)
+      : x(p.x - T(source.position.x)),
+        y(p.y - T(source.position.y)),
+        z(p.z - T(source.position.z)),
+        u(fma(x, x, fma(y, y, T(z * z)))) {}
+
+  void add_to(JetOf<T>& sum, const PointFall<T>& at) const {
+    sum.value += at.h;
+    sum.gradient = {fma(at.m, x, sum.gradient.x), fma(at.m, y, sum.gradient.y),
+                    fma(at.m, z, sum.gradient.z)};
+  }
+};
+
 /// The sum of value and gradient at p over the sources[index[i]], i < count.
 template <class K, class T>
 JetOf<T> point_sum(const PointSource* sources, const std::uint32_t* index, std::size_t count,
@@ -166,12 +183,8 @@ JetOf<T> point_sum(const PointSource* sources, const std::uint32_t* index, std::
   JetOf<T> sum{};
   for (std::size_t i = 0; i < count; ++i) {
     const PointSource& source = sources[index[i]];
-    const T x = p.x - T(source.position.x), y = p.y - T(source.position.y),
-            z = p.z - T(source.position.z);
-    const PointFall<T> at = PointLaw<K>::template fall<T>(source, fma(x, x, fma(y, y, T(z * z))));
-    sum.value += at.h;
-    sum.gradient = {fma(at.m, x, sum.gradient.x), fma(at.m, y, sum.gradient.y),
-                    fma(at.m, z, sum.gradient.z)};
+    const PointPlace<T> at(source, p);
+    at.add_to(sum, PointLaw<K>::fall(source, at.u));
   }
   return sum;
 }

@@ -90,11 +90,6 @@ struct Reciprocals {
   }
 };
 
-/// 1 / x for 0 < x <= 1e150, within 2 ulp.
-inline double reciprocal(double x) {
-  return 1 / x;
-}
-
 /// Collects a result whose formula differs from lane to lane. Each lane takes the first formula
 /// offered to it; a formula that no lane takes is not evaluated. There is a select() for R.
 template <class T, class R>

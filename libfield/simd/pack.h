@@ -164,14 +164,34 @@ struct Pack {
 #endif
     return a * b + c;
   }
-  friend Pack reciprocal(const Pack& x) {
-    return Pack(1.0) / x;
-  }
+
   /// As std::min and std::max: a, unless b is less or greater.
   friend Pack min(const Pack& a, const Pack& b) {
+#if defined(__AVX512F__)
+    if constexpr (N == 8) {
+      return Pack((Doubles)_mm512_maskz_min_pd(0xff, (__m512d)b.lane, (__m512d)a.lane));
+    }
+#endif
+#if defined(__AVX__)
+    if constexpr (N == 4) return Pack((Doubles)_mm256_min_pd((__m256d)b.lane, (__m256d)a.lane));
+#endif
+#if defined(__SSE2__)
+    if constexpr (N == 2) return Pack((Doubles)_mm_min_pd((__m128d)b.lane, (__m128d)a.lane));
+#endif
     return select(b < a, b, a);
   }
   friend Pack max(const Pack& a, const Pack& b) {
+#if defined(__AVX512F__)
+    if constexpr (N == 8) {
+      return Pack((Doubles)_mm512_maskz_max_pd(0xff, (__m512d)b.lane, (__m512d)a.lane));
+    }
+#endif
+#if defined(__AVX__)
+    if constexpr (N == 4) return Pack((Doubles)_mm256_max_pd((__m256d)b.lane, (__m256d)a.lane));
+#endif
+#if defined(__SSE2__)
+    if constexpr (N == 2) return Pack((Doubles)_mm_max_pd((__m128d)b.lane, (__m128d)a.lane));
+#endif
     return select(a < b, b, a);
   }
 

@@ -83,11 +83,7 @@ struct Twice {
   friend Twice scaled_by_rounded(const Twice& x, const Twice& k) {
     return {scaled_by_rounded(x.first, k.first), scaled_by_rounded(x.second, k.second)};
   }
-  /// By one division: the divider is what sums of many reciprocals wait for.
-  friend Twice reciprocal(const Twice& x) {
-    const T both = T(1) / (x.first * x.second);
-    return {x.second * both, x.first * both};
-  }
+
   friend Twice fma(const Twice& a, const Twice& b, const Twice& c) {
     return {fma(a.first, b.first, c.first), fma(a.second, b.second, c.second)};
   }

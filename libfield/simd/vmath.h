@@ -93,15 +93,11 @@ T exp2(const T& x) {
   using std::fma;
   const T shifted = x + T(kRounder);
   const T r = x - (shifted - T(kRounder));
-  const T r2 = r * r;
-  const T r4 = r2 * r2;
-  // Degree 11 by Estrin's scheme: four short chains in place of a long one.
-  const auto pair = [&r](double c0, double c1) { return fma(r, T(c1), T(c0)); };
+  // Horner's scheme: sources side by side fill the time that its steps wait for one another.
   const auto& c = detail::kPowerOfTwo;
-  const T low = fma(r2, pair(c[2], c[3]), pair(c[0], c[1]));
-  const T middle = fma(r2, pair(c[6], c[7]), pair(c[4], c[5]));
-  const T high = fma(r2, pair(c[10], c[11]), pair(c[8], c[9]));
-  return scaled_by_rounded(fma(r4, fma(r4, high, middle), low), shifted);
+  T sum(c.back());
+  for (std::size_t i = c.size() - 1; i-- > 0;) sum = fma(sum, r, T(c[i]));
+  return scaled_by_rounded(sum, shifted);
 }
 
 /// e^x - 1 for x <= 700, within 2 ulp.
