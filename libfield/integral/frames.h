@@ -12,7 +12,6 @@
 #include "libfield/base/vec.h"
 #include "libfield/integral/gauss_legendre.h"
 #include "libfield/primitive/arc.h"
-#include "libfield/primitive/frame.h"
 #include "libfield/primitive/segment.h"
 #include "libfield/primitive/triangle.h"
 #include "libfield/simd/lanes.h"
@@ -37,19 +36,17 @@ Vec3<T> unit_or_zero(const Vec3<T>& v) {
 template <class T>
 struct SegmentFrame {
   Vec3<T> a, b;
-  Vec3<T> axis;   ///< unit, from a to b
-  Vec3<T> aside;  ///< unit, across it
+  Vec3<T> axis;  ///< unit, from a to b
   T length;
 
-  explicit SegmentFrame(const Segment& segment)
-      : a(segment.a), b(segment.b), aside(reference_axis(segment.b - segment.a)) {
+  explicit SegmentFrame(const Segment& segment) : a(segment.a), b(segment.b) {
     axis = unit_or_zero(b - a);
     length = dot(b - a, axis);
   }
   /// The same frame in another number type.
   template <class U>
   explicit SegmentFrame(const SegmentFrame<U>& f)
-      : a(f.a), b(f.b), axis(f.axis), aside(f.aside), length(f.length) {}
+      : a(f.a), b(f.b), axis(f.axis), length(f.length) {}
 };
 
 template <class T>

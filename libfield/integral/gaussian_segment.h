@@ -97,7 +97,7 @@ requires(!kIsDouble<T>) GaussianLine<T> gaussian_line(const Gaussian& kernel, co
                                 : T(erf(x2) - erf(x1));
   const T half_root_pi = sqrt(acos(T(-1))) / T(2);
   return {half_root_pi / a * bounded_exp(across) * between,
-          bounded_exp(T(across - x1 * x1)) * -vmath::expm1(T(x1 * x1 - x2 * x2))};
+          bounded_exp(T(across - x1 * x1)) - bounded_exp(T(across - x2 * x2))};
 }
 
 inline constexpr double kHalfRootPi = 0.5 / std::numbers::inv_sqrtpi;

@@ -167,22 +167,6 @@ InverseLine<T> inverse_line(const K& kernel, const InversePlace<T>& at) {
   return out;
 }
 
-/// p, or where it is closer to the segment than `least`: that far from its nearest point.
-template <class T>
-Vec3<T> kept_away(const SegmentFrame<T>& segment, const Vec3<T>& p, const MaskOf<T>& close,
-                  const T& least) {
-  using std::max;
-  using std::min;
-  using std::sqrt;
-  const T along = max(T(0), min(segment.length, T(dot(p - segment.a, segment.axis))));
-  const Vec3<T> foot = segment.a + along * segment.axis;
-  const Vec3<T> away = p - foot;
-  const T d2 = squared_norm(away);
-  const auto apart = d2 > T(0);
-  const Vec3<T> direction = select(apart, away / sqrt(select(apart, d2, T(1))), segment.aside);
-  return select(close, foot + least * direction, p);
-}
-
 template <class K, class T>
 JetOf<T> inverse_segment(const K& kernel, const SegmentFrame<T>& segment, const Vec3<T>& point) {
   using std::max;
@@ -193,7 +177,7 @@ JetOf<T> inverse_segment(const K& kernel, const SegmentFrame<T>& segment, const 
   const auto square = [](const T& x) { return x * x; };
   const T beyond = max(T(0), max(place.t1, T(-place.t2)));
   const auto close = T(place.c2 + square(beyond)) < square(least);
-  if (any(close)) place = SegmentPlace<T>(segment, kept_away(segment, point, close, least));
+  place.c2 = select(close, T(square(least) - square(beyond)), place.c2);
 
   const T amplitude(kernel.amplitude);
   const InversePlace<T> at{place.t1,

@@ -131,11 +131,12 @@ LineMoments line_moments(const K& kernel, double c2, double t1, double t2, doubl
 }
 
 /// Where an inverse kernel is evaluated in place of `p`, which is too close to the primitive: at
-/// `least` from it, straight away from its nearest point `foot`, or along `aside` from there.
+/// `least` from it, straight away from its nearest point `foot`, or along `aside` from there where
+/// p is so close that rounding decides what is straight away.
 inline Vec3d moved_away(const Vec3d& p, const Vec3d& foot, const Vec3d& aside, double least) {
   const Vec3d away = p - foot;
   const double d = norm(away);
-  return foot + least * (d > 0.0 ? away / d : aside);
+  return foot + least * (d > 1e-3 * least ? away / d : aside);
 }
 
 /// No field is left at that distance, so that panels need not look for it.
