@@ -76,7 +76,7 @@ bool is_plain_point(const Term& term) {
 }
 
 /// From so many terms on whose kernel reaches everywhere, they go into a far field.
-constexpr std::size_t kFewestFar = 400;
+constexpr std::size_t kFewestFar = 256;
 
 /// Whether a term with that far exponent is to go into a far field.
 class FarKinds {

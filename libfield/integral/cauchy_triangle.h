@@ -199,7 +199,7 @@ TriangleTrial<T> cauchy_triangle_closed(const T& s, const TriangleFrame<T>& tria
     u[i] = squared_norm(d[i]);
   }
   // From the nearest vertex: its difference carries the smallest rounding error.
-  const auto first = (u[0] < u[1]) & (u[0] < u[2]);
+  const auto first = both(u[0] < u[1], u[0] < u[2]);
   const Vec3<T> nearest = select(first, d[0], select(u[1] < u[2], d[1], d[2]));
   const T z = dot(nearest, triangle.normal);
   const T s2 = s * s;

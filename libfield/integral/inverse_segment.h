@@ -90,7 +90,7 @@ InverseLine<T> line_closed(const Inverse&, const InversePlace<T>& at) {
       select(at.t1 < T(0), at.c2 / sum1, sum1) + select(at.t2 > T(0), at.c2 / sum2, sum2);
   InverseLine<T> out;
   out.value = vmath::log(T(T(1) + T(2) * at.length / sigma));
-  const auto inside = (at.t1 < T(0)) & (at.t2 > T(0));
+  const auto inside = both(at.t1<T(0), at.t2> T(0));
   const T across = (abs(at.t2) / at.r2 + abs(at.t1) / at.r1) / at.c2;
   const T beside =
       at.length * abs(at.t1 + at.t2) / (at.r1 * at.r2 * (abs(at.t2) * at.r1 + abs(at.t1) * at.r2));

@@ -72,7 +72,7 @@ SupportLine<T> support_line(const K& kernel, const SegmentPlace<T>& at, const T&
   const T tau = half_chord_of(radius, T(sqrt(at.c2)));
   const T from = max(at.t1, T(-tau)), to = min(at.t2, tau);
   // The length itself where nothing is cut off: t1 and t2 carry the rounding of the distance.
-  const auto whole = (at.t1 >= -tau) & (at.t2 <= tau);
+  const auto whole = both(at.t1 >= -tau, at.t2 <= tau);
   const T span = max(T(0), select(whole, length, T(to - from)));
   const T scale = T(1) / (radius * radius);
   constexpr const UnitRule<4>& rule = kUnitRule<4>;
@@ -168,7 +168,7 @@ SupportLine<T> support_line(const Metaball& kernel, const SegmentPlace<T>& at, c
     left_span = extent(left, min(T(-at.t1), tau));
   // Where the support cuts nothing off, the parts add up to the length itself: t1 and t2 carry the
   // rounding of the distance, which may be far more than a short segment's.
-  const auto whole = (at.t1 >= -tau) & (at.t2 <= tau) & (length > T(0));
+  const auto whole = both(at.t1 >= -tau, at.t2 <= tau, length > T(0));
   const T scale = select(whole, length / max(inner_span + right_span + left_span, T(1e-300)), T(1));
   inner_span *= scale, right_span *= scale, left_span *= scale;
   SupportLine<T> sum = metaball_inner(radius, at.c2, inner, inner_span);
@@ -182,7 +182,7 @@ template <class K, class T>
 JetOf<T> support_segment(const K& kernel, const SegmentFrame<T>& segment, const Vec3<T>& point) {
   const SegmentPlace<T> at(segment, point);
   const T radius(kernel.radius);
-  const auto reached = (at.c2 < radius * radius) & (at.t1 < radius) & (at.t2 > -radius);
+  const auto reached = both(radius * radius > at.c2, radius > at.t1, at.t2 > -radius);
   if (!any(reached)) return {};
   const SupportLine<T> line = support_line(kernel, at, segment.length);
   const T amplitude(kernel.amplitude);

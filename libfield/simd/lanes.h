@@ -58,6 +58,15 @@ constexpr bool all(bool mask) {
   return mask;
 }
 
+/// The lanes that are set in all of them. (Comparisons of wide number types are calls, between
+/// which compilers want no `&`.)
+template <class M, class... Others>
+constexpr M both(const M& a, const Others&... others) {
+  M all_of(a);
+  ((all_of = all_of & others), ...);
+  return all_of;
+}
+
 /// `yes` in the lanes that are set, `no` in the others.
 template <class T>
 constexpr T select(bool mask, const T& yes, const T& no) {

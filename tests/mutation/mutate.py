@@ -1,0 +1,116 @@
+#!/usr/bin/env python3
+"""Breaks the closed forms one character at a time and tells which breaks no test notices:
+
+    tests/mutation/mutate.py BUILD [FILE...]
+
+BUILD is a release build with tests; without FILEs all closed forms are broken. A mutant changes a
+sign or a constant in one place of one header. It is compiled into the tests of values (first the
+reference rows, then, for what survives them, the comparison with 100 digits), as code for single
+doubles. Printed are the survivors, those in conditions on their own: a threshold between two forms
+that agree around it may move without changing a value. Status 1 if a value's mutant survives.
+"""
+
+import argparse
+import concurrent.futures
+import os
+import pathlib
+import re
+import subprocess
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+FORMS = ["cauchy_arc", "cauchy_segment", "cauchy_triangle", "gaussian_segment", "inverse_segment",
+         "plane", "point", "support_segment"]
+STAGES = [("tests/oracle/field_reference_test.cpp", "-O0", "FieldReference.EveryRowIsExactFor*"),
+          ("tests/unit/integral/closed_form_test.cpp", "-O1", "ClosedForm.*Exact*")]
+
+# What does not enter a value: declarations, loops, tables, conditions of types.
+SKIPPED = re.compile(r"^\s*(//|#|template|using|namespace|friend|static_assert|requires|for |"
+                     r"constexpr const UnitRule|std::array|inline constexpr std::array|struct|"
+                     r"\}|if constexpr)")
+CONDITION = re.compile(r"\btake\(|\bif \(|\bselect\(|\bauto \w+ = .*[<>]|while \(|kReach|kGrowth|"
+                       r"[<>]=? ?T?\(?[0-9]|\bgood =|\bnear =|\bfar =|growth")
+SIGN = re.compile(r"(?<=[\w)\]]) ([+-]) (?=[\w(*-])|(?<=[(,=]) ?(-)(?=[\w(])")
+NUMBER = re.compile(r"(?<![\w.<\[])(\d+\.\d*(?:e-?\d+)?|\d+)(?![\w.>\]])")
+
+
+def changed_number(text):
+    if "." in text or "e" in text:
+        value = float(text)
+        return repr(value * 1.01) if value else "0.01"
+    return str(int(text) + 1)
+
+
+def mutants_of(path):
+    """(line number, line, its mutant)"""
+    inside = False
+    for number, line in enumerate(path.read_text().splitlines(), 1):
+        inside = inside or line.startswith("namespace cs2mesh")
+        if not inside or SKIPPED.match(line) or ";" not in line and "(" not in line:
+            continue
+        code = line.split("//")[0]
+        for match in SIGN.finditer(code):
+            group = 1 if match.group(1) else 2
+            old = match.group(group)
+            new = {"+": "-", "-": "+"}[old] if group == 1 else ""
+            yield number, line, code[:match.start(group)] + new + code[match.end(group):]
+        for match in NUMBER.finditer(code):
+            before = code[:match.start()]
+            if re.search(r"[\[%]\s*\(?\w*\s*[+-]?\s*$", before):
+                continue  # an index
+            yield number, line, before + changed_number(match.group(1)) + code[match.end():]
+
+
+def survives(path, number, mutant, build):
+    """The last test that the mutant passes; None if one fails or it does not compile."""
+    with tempfile.TemporaryDirectory() as folder:
+        overlay = pathlib.Path(folder) / path.relative_to(ROOT)
+        overlay.parent.mkdir(parents=True)
+        lines = path.read_text().splitlines()
+        lines[number - 1] = mutant
+        overlay.write_text("\n".join(lines) + "\n")
+        for source, optimise, tests in STAGES:
+            program = pathlib.Path(folder) / "test"
+            command = ["g++", "-std=c++20", optimise, "-ffp-contract=off", "-I", folder, "-I", ROOT,
+                       f'-DCS2MESH_SOURCE_DIR="{ROOT}"', "-DCS2MESH_WIDE_ISAS=1", ROOT / source,
+                       "-o", program, build / "libfield" / "libcs2mesh_field.a", "-lgtest",
+                       "-lgtest_main", "-ltbb", "-lpng", "-pthread"]
+            if subprocess.run(command, capture_output=True, check=False).returncode != 0:
+                return None
+            try:
+                run = subprocess.run([program, f"--gtest_filter={tests}", "--gtest_fail_fast"],
+                                     capture_output=True, check=False, timeout=120)
+            except subprocess.TimeoutExpired:
+                return None
+            if run.returncode != 0:
+                return None
+    return STAGES[-1][0]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("build", type=pathlib.Path)
+    parser.add_argument("file", nargs="*", type=pathlib.Path)
+    parser.add_argument("--every", type=int, default=1, help="only every so many mutants")
+    options = parser.parse_args()
+    files = options.file or [ROOT / "libfield" / "integral" / f"{name}.h" for name in FORMS]
+    jobs = [(path.resolve(), *mutant) for path in files for mutant in mutants_of(path.resolve())]
+    jobs = jobs[::options.every]
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        results = list(pool.map(lambda j: survives(j[0], j[1], j[3], options.build.resolve()),
+                                jobs))
+    values, conditions = [], []
+    for (path, number, line, mutant), survivor in zip(jobs, results):
+        if survivor:
+            where = f"{path.relative_to(ROOT)}:{number}: {line.strip()}  ->  {mutant.strip()}"
+            (conditions if CONDITION.search(line) else values).append(where)
+    print(f"{len(jobs)} mutants, {len(jobs) - len(values) - len(conditions)} noticed")
+    for title, survivors in (("values", values), ("conditions", conditions)):
+        print(f"{len(survivors)} survive in {title}" + (":" if survivors else ""))
+        for where in survivors:
+            print("  " + where)
+    raise SystemExit(1 if values else 0)
+
+
+if __name__ == "__main__":
+    main()
