@@ -36,13 +36,13 @@ double inverse_power(double two_nu, double x) {
 constexpr std::array<int, 4> kNodes = {2, 4, 6, 8};
 
 /// The error of n nodes on a segment of length L and weight 1 at squared distance s, relative to
-/// L s^-nu: (n!)^4 / ((2n + 1) (2n)!^2) binomial(2n + 2 nu - 1, 2n) (L^2 / s)^n.
-double node_error(double two_nu, int n, double squared_length, double s) {
+/// L s^-nu (L^2 / s)^n: (n!)^4 / ((2n + 1) (2n)!^2) binomial(2n + 2 nu - 1, 2n).
+double node_factor(double two_nu, int n) {
   double factor = 1.0;
   for (int m = 1; m <= 2 * n; ++m) factor *= (m + two_nu - 1) / m;
   for (int m = 1; m <= n; ++m) {
     const double ratio = static_cast<double>(m) / (n + m);  // (n!)^2 / (2n)!, squared
-    factor *= ratio * ratio * squared_length / s;
+    factor *= ratio * ratio;
   }
   return factor / (2 * n + 1) * (1 + 1e-12);
 }
@@ -128,7 +128,7 @@ class FarField::Sorter {
   /// Moves what is far enough from the parent's lists into the cell's series.
   void sort(const std::vector<std::uint32_t>& nodes, const std::vector<std::uint32_t>& elements) {
     const double budget = 0.5 * field_.error_budget_ / kMostLevels;
-    double each = budget / 16;
+    double each = budget / 32;
     for (;;) {
       for (auto& sources : clusters_) sources.clear();
       for (auto& sources : single_) sources.clear();
@@ -162,7 +162,8 @@ class FarField::Sorter {
       cell_.near.clear(), cell_.distant.clear();
       error_ = 0.0;
       for (const std::uint32_t element : all) {
-        const int nodes = nodes_for(element, each);
+        const FarElement& shape = field_.tree_.elements()[element];
+        const int nodes = nodes_for(shape, distance(shape, cell_.center), each);
         if (nodes > 0) {
           cell_.distant.push_back({element, nodes});
         } else {
@@ -236,17 +237,22 @@ class FarField::Sorter {
     const double s = d * d + element.tau;
     const double q = cell_.radius() / std::sqrt(s);
     const double size = element.mass() * inverse_power(field_.two_nu_, s);
+    const auto error_of = [&](std::size_t order) {
+      return size * series_remainder(field_.two_nu_, q, kOrders[order]);
+    };
     // The lowest order that will do.
-    double error = kInfinity;
-    std::size_t order = 0;
-    for (; order < kOrders.size(); ++order) {
-      error = size * series_remainder(field_.two_nu_, q, kOrders[order]);
-      if (error <= 0.5 * each) break;
-    }
-    const int nodes = order < kOrders.size() ? nodes_for(index, 0.5 * each) : 0;
+    std::size_t order = kOrders.size() - 1;
+    double error = error_of(order);
+    const int nodes = error <= 0.5 * each ? nodes_for(element, d, 0.5 * each) : 0;
     if (nodes == 0) {
       cell_.elements.push_back(index);
       return;
+    }
+    while (order > 0) {
+      const double with_less = error_of(order - 1);
+      if (with_less > 0.5 * each) break;
+      error = with_less;
+      --order;
     }
     error_ += error;
     places_.clear();
@@ -262,20 +268,22 @@ class FarField::Sorter {
     }
   }
 
-  /// As how many points an element may be summed in this cell; 0 if only itself will do.
-  int nodes_for(std::uint32_t index, double each) {
-    const FarElement& element = field_.tree_.elements()[index];
+  /// As how many points an element at distance d from the centre may be summed in this cell; 0 if
+  /// only itself will do.
+  int nodes_for(const FarElement& element, double d, double each) {
     if (!(element.length > 0)) return 1;
-    const double d = std::max(0.0, distance(element, cell_.center) - cell_.radius());
-    const double s = d * d + element.tau;
+    const double nearest = std::max(0.0, d - cell_.radius());
+    const double s = nearest * nearest + element.tau;
     const double length2 = element.length * element.length;
     if (length2 > s) return 0;
     const double size = element.mass() * inverse_power(field_.two_nu_, s);
-    for (const int nodes : kNodes) {
-      const double error = size * node_error(field_.two_nu_, nodes, length2, s);
+    double power = 1.0;
+    for (std::size_t i = 0; i < kNodes.size(); ++i) {
+      power *= length2 / s * (length2 / s);
+      const double error = size * field_.node_factor_[i] * power;
       if (error > each) continue;
       error_ += error;
-      return nodes;
+      return kNodes[i];
     }
     return 0;
   }
@@ -306,6 +314,7 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
     const Term& term = terms[element.term];
     points_.push_back(point_source(term.kernel, Point{element.a}, term.sign));
   }
+  for (std::size_t i = 0; i < kNodes.size(); ++i) node_factor_[i] = node_factor(two_nu, kNodes[i]);
   root_ = make_root(domain);
 }
 

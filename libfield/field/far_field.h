@@ -10,6 +10,7 @@
 // most the error budget.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <span>
@@ -75,7 +76,8 @@ class FarField {
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;
-  std::vector<PointSource> points_;  ///< each element's law, as of a point of length 1
+  std::array<double, 4> node_factor_{};  ///< of the error of so many nodes
+  std::vector<PointSource> points_;      ///< each element's law, as of a point of length 1
   std::unique_ptr<Cell> root_;
 };
 

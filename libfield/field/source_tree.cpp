@@ -10,7 +10,7 @@
 namespace cs2mesh {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 32;
+constexpr std::uint32_t kLeafSize = 64;
 
 /// The weight and tau of a unit of length, or of a point.
 struct FarLaw {

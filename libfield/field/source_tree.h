@@ -60,7 +60,7 @@ struct SourceNode {
 /// Powers of tau's differences that moments are kept for, 0 included; see SourceTree::moments.
 inline constexpr int kTauOrders = 3;
 
-/// Immutable. Built in O(n log n); 200 to 500 bytes an element.
+/// Immutable. Built in O(n log n); some 200 bytes an element, 500 where tau varies.
 class SourceTree {
  public:
   SourceTree() = default;
