@@ -7,6 +7,7 @@
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/plane.h"
 #include "libfield/integral/support_segment.h"
 #include "libfield/profile/along.h"
 #include "libfield/simd/twice.h"
@@ -32,6 +33,7 @@ struct BulkPack {
     cs2mesh::add_to<N>({jet.value.second, {g.x.second, g.y.second, g.z.second}}, sums + N);
   }
 
+  static Plane in_lanes(const Plane& plane) { return plane; }
   static SegmentFrame<T> in_lanes(const SegmentFrame<double>& f) { return SegmentFrame<T>(f); }
   static ArcFrame<T> in_lanes(const ArcFrame<double>& f) { return ArcFrame<T>(f); }
 
@@ -167,10 +169,19 @@ struct BulkPack {
 
   template <class Out>
   static consteval BulkRow<Out> row() {
-    return {&add<Cauchy, SegmentFrame<double>, Out>,   &add<Cauchy, ArcFrame<double>, Out>,
-            &add<Gaussian, SegmentFrame<double>, Out>, &add<Inverse, SegmentFrame<double>, Out>,
-            &add<Squared, SegmentFrame<double>, Out>,  &add<Metaball, SegmentFrame<double>, Out>,
-            &add<Soft, SegmentFrame<double>, Out>,     &add<Quartic, SegmentFrame<double>, Out>};
+    return {&add<Cauchy, SegmentFrame<double>, Out>,
+            &add<Cauchy, ArcFrame<double>, Out>,
+            &add<Gaussian, SegmentFrame<double>, Out>,
+            &add<Inverse, SegmentFrame<double>, Out>,
+            &add<Squared, SegmentFrame<double>, Out>,
+            &add<Metaball, SegmentFrame<double>, Out>,
+            &add<Soft, SegmentFrame<double>, Out>,
+            &add<Quartic, SegmentFrame<double>, Out>,
+            &add<Cauchy, Plane, Out>,
+            &add<Gaussian, Plane, Out>,
+            &add<Metaball, Plane, Out>,
+            &add<Soft, Plane, Out>,
+            &add<Quartic, Plane, Out>};
   }
   template <class Out>
   static consteval BulkWeights<Out> weights() {

@@ -22,12 +22,12 @@ namespace detail {
 
 template <class T>
 T pi_of() {
-  using std::acos;
-  return acos(T(-1));
-}
-template <>
-inline double pi_of<double>() {
-  return std::numbers::pi;
+  if constexpr (kIsDouble<T>) {
+    return T(std::numbers::pi);
+  } else {
+    using std::acos;
+    return acos(T(-1));
+  }
 }
 
 template <class T>
@@ -46,7 +46,7 @@ template <class T>
 T plane_height(double support, const T& d) {
   using std::abs;
   const T x = abs(d) / T(support);
-  return x < T(1) ? T((T(1) - x) * (T(1) + x)) : T(0);
+  return select(x < T(1), T((T(1) - x) * (T(1) + x)), T(0));
 }
 
 template <class T>
@@ -67,9 +67,8 @@ T plane_value(const Metaball& k, const T& d) {
   using std::abs;
   const auto cone = [&](const T& reach) {
     const T x = abs(d) / reach;
-    if (x >= T(1)) return T(0);
     const T m = T(1) - x;
-    return T(reach * reach * m * m * m * (T(1) + T(3) * x) / T(6));
+    return select(x < T(1), T(reach * reach * m * m * m * (T(1) + T(3) * x) / T(6)), T(0));
   };
   const T reach(k.radius);
   return pi_of<T>() * T(k.amplitude) * (T(3) * cone(reach) - cone(T(reach / T(3)))) / T(2);

@@ -54,12 +54,16 @@ T half_chord_of(const T& radius, const T& c) {
 
 /// h and 2K as functions of v, for amplitude 1 and support 1.
 template <class T>
-SupportLine<T> law(const Soft&, const T& v) {
-  return {v * v * (T(5) + T(4) * v) * T(1.0 / 9.0), v * (T(10) + T(12) * v) * T(-2.0 / 9.0), T(0)};
+struct SupportLaw {
+  T h, slope;
+};
+template <class T>
+SupportLaw<T> law(const Soft&, const T& v) {
+  return {v * v * (T(5) + T(4) * v) * T(1.0 / 9.0), v * (T(10) + T(12) * v) * T(-2.0 / 9.0)};
 }
 template <class T>
-SupportLine<T> law(const Quartic&, const T& v) {
-  return {v * v, T(-4) * v, T(0)};
+SupportLaw<T> law(const Quartic&, const T& v) {
+  return {v * v, T(-4) * v};
 }
 
 /// Four nodes are exact: h has degree 6 in t, 2K t degree 5.
@@ -80,11 +84,11 @@ SupportLine<T> support_line(const K& kernel, const SegmentPlace<T>& at, const T&
   for (std::size_t i = 0; i < 4; ++i) {
     const T t = from + span * T(rule.node[i]);
     const T v = max(T(0), T((tau - t) * (tau + t) * scale));
-    const SupportLine<T> here = law(kernel, v);
+    const SupportLaw<T> here = law(kernel, v);
     const T weight(rule.weight[i]);
-    sum.value += weight * here.value;
-    sum.m += weight * here.m;
-    sum.s += weight * here.m * t;
+    sum.value += weight * here.h;
+    sum.m += weight * here.slope;
+    sum.s += weight * here.slope * t;
   }
   const T m = scale * span;
   return {span * sum.value, m * sum.m, m * sum.s};

@@ -7,6 +7,7 @@
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
 
@@ -20,19 +21,19 @@ struct Metaball {
   T profile(const T& u) const {
     using std::sqrt;
     const T y = sqrt(u) / T(radius);
-    if (y >= T(1)) return T(0);
-    if (T(3) * y <= T(1)) return T(amplitude) * (T(1) - T(3) * y * y);
-    return T(amplitude) * T(1.5) * (T(1) - y) * (T(1) - y);
+    const T inner = T(amplitude) * (T(1) - T(3) * y * y);
+    const T outer = T(amplitude) * T(1.5) * (T(1) - y) * (T(1) - y);
+    return select(T(3) * y <= T(1), inner, select(y < T(1), outer, T(0)));
   }
   /// dh/du.
   template <class T>
   T slope(const T& u) const {
     using std::sqrt;
     const T y = sqrt(u) / T(radius);
-    if (y >= T(1)) return T(0);
     const T scale = T(amplitude) / (T(radius) * T(radius));
-    if (T(3) * y <= T(1)) return T(-3) * scale;
-    return T(-1.5) * scale * (T(1) - y) / y;
+    const auto inner = T(3) * y <= T(1);  // where y may be 0
+    const T outer = T(-1.5) * scale * (T(1) - y) / select(inner, T(1), y);
+    return select(inner, T(T(-3) * scale), select(y < T(1), outer, T(0)));
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.

@@ -9,6 +9,7 @@
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
 
@@ -60,8 +61,8 @@ struct Soft {
   T height(const T& u) const {
     using std::sqrt;
     const T r = sqrt(u);
-    if (r >= T(radius)) return T(0);
-    return (T(radius) - r) * (T(radius) + r) / (T(radius) * T(radius));
+    const T v = (T(radius) - r) * (T(radius) + r) / (T(radius) * T(radius));
+    return select(r < T(radius), v, T(0));
   }
 };
 

@@ -95,6 +95,28 @@ TEST(ClosedForm, InverseSegmentsAreExactForInputsMovedByAFewUlp) {
   expect_exact<BesideSegment>("squared segment", [](const SegmentCase&) { return Squared{}; });
 }
 
+TEST(ClosedForm, CutOffInverseSegmentsAreExactlyThoseAtTheCutOffDistance) {
+  const Segment segment{{0, 0, 0}, {3, 0, 0}};
+  const double clamp = 1e-3;
+  const auto expect_cut_off = [&](const auto& kernel) {
+    for (const double along : {0.2, 1.5, 2.9}) {
+      const Jet at_distance = integral(kernel, segment, Vec3d{along, 0, clamp * (1 + 1e-14)});
+      EXPECT_GT(norm(at_distance.gradient), 0.0);
+      for (const double aside : {0.0, 1e-17, 1e-9, 0.5 * clamp, 0.99 * clamp}) {
+        const Jet jet = integral(kernel, segment, Vec3d{along, aside, 0});
+        EXPECT_NEAR(jet.value, at_distance.value, 1e-11 * at_distance.value) << along << aside;
+        EXPECT_EQ(norm(jet.gradient), 0.0);
+      }
+    }
+    // Beyond an end.
+    const Jet before = integral(kernel, segment, Vec3d{-0.9 * clamp, 0, 0});
+    EXPECT_EQ(norm(before.gradient), 0.0);
+    EXPECT_GT(norm(integral(kernel, segment, Vec3d{-1.1 * clamp, 0, 0}).gradient), 0.0);
+  };
+  expect_cut_off(Inverse{1.0, clamp});
+  expect_cut_off(Squared{1.0, clamp});
+}
+
 TEST(ClosedForm, SegmentsOfFiniteSupportAreExactForInputsMovedByAFewUlp) {
   expect_exact<SegmentCase>("soft segment",
                             [](const SegmentCase& c) { return Soft{1 / c.per_width}; });
