@@ -34,17 +34,17 @@ using TryTriangle = void (*)(const Cauchy& kernel, const TriangleFrame<double>& 
 inline constexpr std::size_t kMostLanes = 16;
 
 template <class Out>
-using BulkRow =
-    std::tuple<AddIntegrals<Cauchy, SegmentFrame<double>, Out>,
-               AddIntegrals<Cauchy, ArcFrame<double>, Out>,
-               AddIntegrals<Gaussian, SegmentFrame<double>, Out>,
-               AddIntegrals<Inverse, SegmentFrame<double>, Out>,
-               AddIntegrals<Squared, SegmentFrame<double>, Out>,
-               AddIntegrals<Metaball, SegmentFrame<double>, Out>,
-               AddIntegrals<Soft, SegmentFrame<double>, Out>,
-               AddIntegrals<Quartic, SegmentFrame<double>, Out>, AddIntegrals<Cauchy, Plane, Out>,
-               AddIntegrals<Gaussian, Plane, Out>, AddIntegrals<Metaball, Plane, Out>,
-               AddIntegrals<Soft, Plane, Out>, AddIntegrals<Quartic, Plane, Out>>;
+using BulkRow = std::tuple<
+    AddIntegrals<Cauchy, SegmentFrame<double>, Out>, AddIntegrals<Cauchy, ArcFrame<double>, Out>,
+    AddIntegrals<Gaussian, SegmentFrame<double>, Out>,
+    AddIntegrals<Inverse, SegmentFrame<double>, Out>,
+    AddIntegrals<Squared, SegmentFrame<double>, Out>,
+    AddIntegrals<Metaball, SegmentFrame<double>, Out>,
+    AddIntegrals<Soft, SegmentFrame<double>, Out>, AddIntegrals<Quartic, SegmentFrame<double>, Out>,
+    AddIntegrals<Soft, ArcFrame<double>, Out>, AddIntegrals<Quartic, ArcFrame<double>, Out>,
+    AddIntegrals<Cauchy, Plane, Out>, AddIntegrals<Gaussian, Plane, Out>,
+    AddIntegrals<Metaball, Plane, Out>, AddIntegrals<Soft, Plane, Out>,
+    AddIntegrals<Quartic, Plane, Out>>;
 
 /// weights[i] = weight(profile, frame, points[i]) for i < count; where `Out` is double, w alone.
 template <class F, class Out>

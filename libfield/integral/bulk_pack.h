@@ -8,6 +8,7 @@
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/inverse_segment.h"
 #include "libfield/integral/plane.h"
+#include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
 #include "libfield/profile/along.h"
 #include "libfield/simd/twice.h"
@@ -177,6 +178,8 @@ struct BulkPack {
             &add<Metaball, SegmentFrame<double>, Out>,
             &add<Soft, SegmentFrame<double>, Out>,
             &add<Quartic, SegmentFrame<double>, Out>,
+            &add<Soft, ArcFrame<double>, Out>,
+            &add<Quartic, ArcFrame<double>, Out>,
             &add<Cauchy, Plane, Out>,
             &add<Gaussian, Plane, Out>,
             &add<Metaball, Plane, Out>,

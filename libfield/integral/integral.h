@@ -7,8 +7,8 @@
 //  inverse   closed       closed              quadrature      quadrature          divergent
 //  squared   closed       closed              quadrature      quadrature          divergent
 //  metaball  closed       closed              quadrature      quadrature          closed
-//  soft      closed       closed              quadrature      quadrature          closed
-//  quartic   closed       closed              quadrature      quadrature          closed
+//  soft      closed       closed              nodes (exact)   quadrature          closed
+//  quartic   closed       closed              nodes (exact)   quadrature          closed
 //
 // To add a closed form: its file, its #include here, its word in this table.
 #pragma once
@@ -21,6 +21,7 @@
 #include "libfield/integral/plane.h"
 #include "libfield/integral/point.h"
 #include "libfield/integral/quadrature.h"
+#include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
 
 namespace cs2mesh {
@@ -32,7 +33,8 @@ inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plan
 /// Whether quadrature stands in for a closed form; the table above as code.
 template <class K, class P>
 inline constexpr bool kNeedsQuadrature =
-    !std::is_same_v<K, Cauchy> && (std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>);
+    !std::is_same_v<K, Cauchy> &&
+    ((std::is_same_v<P, Arc> && !detail::kIsPolynomial<K>) || std::is_same_v<P, Triangle>);
 
 /// Pairs without a closed form, in double alone.
 template <class K, class P>

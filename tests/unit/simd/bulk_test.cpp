@@ -41,7 +41,9 @@ Batch random_batch(std::uint64_t stream, std::size_t count) {
   Random random(11, stream);
   const double length = log_uniform(random, 0.01, 30.0);
   const KernelKind kind = kAllKernels[stream % 7];
-  const std::size_t shapes = kind == KernelKind::cauchy ? 3 : 2;  // those in the table
+  const bool arcs =
+      kind == KernelKind::cauchy || kind == KernelKind::soft || kind == KernelKind::quartic;
+  const std::size_t shapes = arcs ? 3 : 2;  // those in the table
   const Primitive primitive = testing::random_primitive(random, stream / 7 % shapes, 1.0);
   Batch batch{plain_term(testing::random_kernel(random, kind, length), primitive), {}};
   for (std::size_t i = 0; i < count; ++i) {
