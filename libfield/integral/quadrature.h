@@ -273,8 +273,10 @@ Jet arc_quadrature(const K& kernel, const Arc& arc, const Vec3d& p, double reach
   const double c = arc.radius;
   const double beyond = rho - c;
   const double half = 0.5 * arc.sweep;
+  // A full circle may begin anywhere: opposite to p, where no digit depends on the seam.
+  const double turned = half < std::numbers::pi ? azimuth : 0.0;
   const ArcDistance u{beyond * beyond + z * z, 4.0 * c * rho};
-  const ArcMoments sum = arc_moments(kernel, u, -half - azimuth, half - azimuth, arc.sweep, reach);
+  const ArcMoments sum = arc_moments(kernel, u, -half - turned, half - turned, arc.sweep, reach);
   return {c * sum.f, 2.0 * c *
                          ((beyond * sum.n0 + c * sum.n1) * outward - (c * sum.ns) * around +
                           (z * sum.n0) * arc.normal)};

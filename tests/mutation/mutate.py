@@ -30,7 +30,7 @@ SKIPPED = re.compile(r"^\s*(//|#|template|using|namespace|friend|static_assert|r
                      r"\}|if constexpr)")
 CONDITION = re.compile(r"\btake\(|\bif \(|\bselect\(|\bauto \w+ = .*[<>]|while \(|kReach|kGrowth|"
                        r"[<>]=? ?T?\(?[0-9]|\bgood =|\bnear =|\bfar =|growth|reach =|rest =|"
-                       r"curvature|kLeast")
+                       r"curvature|kLeast|kFlat|jet\.value / \(T")
 SIGN = re.compile(r"(?<=[\w)\]]) ([+-]) (?=[\w(*-])|(?<=[(,=]) ?(-)(?=[\w(])")
 NUMBER = re.compile(r"(?<![\w.<\[])(\d+\.\d*(?:e-?\d+)?|\d+)(?![\w.>\]])")
 
