@@ -20,6 +20,9 @@ struct FieldData;
 /// sum to the budget, so F may step by as much where blocks meet. A point on a face belongs to the
 /// block below it.
 ///
+/// Not promised: that gradients of jets() lie within enclose_gradient() and derivative_bound() to
+/// the last bit where a far field approximates them; those bound the sum itself, enclose() both.
+///
 /// Cost of an evaluation: the terms near the point's block, and a tree walk for each run of
 /// consecutive points in one block; so sort points by place, or evaluate them in a restriction.
 class Field final : public ImplicitSurface, public MaterialBlend {
