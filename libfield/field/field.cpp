@@ -185,7 +185,13 @@ void collect_far_fields(FieldData& data) {
   const double budget =
       0.5 * data.error_budget / std::max<double>(1.0, static_cast<double>(elements.size()));
   for (auto& [two_nu, list] : elements) {
-    const Aabb domain = data.bounds.grown(0.1 * data.bounds.diagonal());
+    Aabb domain = data.bounds;
+    if (!domain.finite()) {  // as with a plane
+      domain = {};
+      for (const FarElement& element : list) domain.include(element.box());
+      domain = domain.grown(0.5 * domain.diagonal());
+    }
+    domain = domain.grown(0.1 * domain.diagonal());
     data.far.emplace_back(two_nu, std::move(list), data.terms, domain, budget);
   }
 }

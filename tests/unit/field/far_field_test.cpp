@@ -146,6 +146,21 @@ TEST(FarField, EnclosuresOfSmallBoxesAreTight) {
   }
 }
 
+TEST(FarField, StandsBesideAPlane) {
+  std::vector<Term> terms = clumps(KernelKind::cauchy, false, 500, 4);
+  terms.push_back(plain_term(Cauchy{4.0, 3.0}, Plane{{0, 0, -1}, {0, 0, 1}}));
+  const Field field(terms, kBudget);
+  const std::vector<Vec3d> points = places(60);
+  std::vector<Jet> jets(points.size()), full(points.size());
+  field.jets(points, jets);
+  field.full_jets(points, full);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    EXPECT_NEAR(jets[i].value + 1.0, full[i].value, kBudget);
+    const Aabb box{points[i], points[i] + Vec3d{0.1, 0.1, 0.1}};
+    EXPECT_TRUE(field.enclose(box).contains(jets[i].value));
+  }
+}
+
 TEST(FarField, SumsEveryElementFarOutside) {
   const Field field(clumps(KernelKind::cauchy, false, 1500, 4), kBudget);
   for (const Vec3d& p : {Vec3d{1e3, 0, 0}, Vec3d{-40, 90, 7}, Vec3d{1e80, 0, 1e80}}) {
