@@ -60,7 +60,8 @@ std::vector<TriangleMesh::Index> crossing_vertices(const TriangleMesh& mesh,
 }  // namespace
 
 BothWays::BothWays(const ImplicitSurface& surface, const BothWaysOptions& options)
-    : surface_(surface), watch_(surface, {options.surface_samples, options.enough}) {
+    : surface_(surface),
+      watch_(surface, {options.surface_samples, options.enough, 1, options.progress}) {
   // Less than enough, as what is found is the end of a slot near where it is deepest.
   probe_.enough = 0.8 * options.enough;
   probe_.progress = options.progress;
@@ -80,6 +81,7 @@ double BothWays::run(TriangleMesh& mesh) {
   if (mesh.empty()) return watch_.any() ? kInfinity : 0.0;
   SurfaceWatch::Look back;
   for (int look = 0; look < kMostLooks; ++look) {
+    if (cancelled(refinement_.progress)) return kInfinity;
     const ClosestPoint tree(mesh);
     back = look == 0 ? watch_.look(tree) : look_again(tree, back);
     for (const LostPoint& lost : probe_shell(surface_, mesh, tree, probe_)) {

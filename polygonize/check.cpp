@@ -333,7 +333,7 @@ void Checker::check_outward(const std::vector<Component>& components) {
 
 void Checker::check_self_intersections() {
   if (!options_.self_intersections) return;
-  if (options_.progress != nullptr && options_.progress->cancelled()) return;
+  if (cancelled(options_.progress)) return;
   if (report_.count(DefectKind::index_out_of_range) + report_.count(DefectKind::not_finite) > 0) {
     return;
   }

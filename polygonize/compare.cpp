@@ -107,7 +107,7 @@ void compare_silhouettes(const CompiledScene& compiled, const Scene& scene,
   for (const Part& part : compiled.parts) parts.emplace_back(*part.surface);
   std::vector<Cover> pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height));
   tbb::parallel_for(0, height, [&](int j) {
-    if (options.progress && options.progress->cancelled()) return;
+    if (cancelled(options.progress)) return;
     for (int i = 0; i < width; ++i) {
       const Ray ray = view.ray((i + 0.5) / width, (j + 0.5) / height);
       pixels[static_cast<std::size_t>(j) * static_cast<std::size_t>(width) +
@@ -161,7 +161,7 @@ Result<CompareReport> compare(const CompiledScene& compiled, const Scene& scene,
   }
   report.total = total_of(report.parts);
   if (options.silhouette) compare_silhouettes(compiled, scene, all, options, report);
-  if (!report.total.complete || (options.progress && options.progress->cancelled())) {
+  if (!report.total.complete || cancelled(options.progress)) {
     return error_at({}, "interrupted", Failure::interrupted);
   }
   return report;

@@ -22,7 +22,7 @@ template <class F>
 bool for_each_block(std::size_t count, Progress* progress, F&& f) {
   std::atomic<bool> stopped{false};
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t block) {
-    if (progress != nullptr && progress->cancelled()) stopped = true;
+    if (cancelled(progress)) stopped = true;
     if (!stopped) f(block);
   });
   return !stopped;

@@ -152,7 +152,7 @@ bool LatticeNodes::settle(Progress* progress) {
     std::atomic<bool> stopped{false};
     const auto each_block = [&](auto&& f) {
       tbb::parallel_for(std::size_t{0}, blocks_.size(), [&](std::size_t i) {
-        if (progress != nullptr && progress->cancelled()) stopped = true;
+        if (cancelled(progress)) stopped = true;
         if (!stopped) f(i);
       });
     };

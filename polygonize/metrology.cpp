@@ -310,8 +310,8 @@ class Measurement {
     Tally total;
     const std::size_t each = std::max<std::size_t>(options_.samples / surfaces_.size(), 1000);
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
-      const std::vector<SurfaceBlock> blocks =
-          surface_blocks(*surfaces_[s], region_of(*surfaces_[s]), each, options_.seed);
+      const std::vector<SurfaceBlock> blocks = surface_blocks(
+          *surfaces_[s], region_of(*surfaces_[s]), each, options_.seed, options_.progress);
       const int cells = cells_per_block(blocks.size(), each);
       total.merge(batches(blocks.size(), "measure", [&](std::size_t i, Tally& tally) {
         std::vector<Vec3d> points;

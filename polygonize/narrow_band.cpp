@@ -128,10 +128,10 @@ Result<NarrowBand> NarrowBand::build(const ImplicitSurface& surface,
   for (;; --level) {
     std::vector<std::vector<Kept>> kept(parents.size());
     tbb::parallel_for(std::size_t{0}, parents.size(), [&](std::size_t i) {
-      if (options.progress != nullptr && options.progress->cancelled()) return;
+      if (cancelled(options.progress)) return;
       kept[i] = band.uncleared(parents[i], level);
     });
-    if (options.progress != nullptr && options.progress->cancelled()) {
+    if (cancelled(options.progress)) {
       return error_at({}, "interrupted", Failure::interrupted);
     }
     std::vector<Candidate> next;
@@ -333,7 +333,7 @@ bool NarrowBand::sample(Progress* progress) {
   std::atomic<bool> stopped{false};
   const auto each_block = [&](std::size_t count, auto&& f) {
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t block) {
-      if (progress != nullptr && progress->cancelled()) stopped = true;
+      if (cancelled(progress)) stopped = true;
       if (!stopped) f(block);
     });
   };

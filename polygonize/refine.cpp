@@ -64,7 +64,7 @@ class Refiner {
   void divide_until_near() {
     for (int round = 0; round < options_.most_rounds; ++round) {
       if (mesh_.triangles.size() > options_.max_triangles) return;
-      if (options_.progress != nullptr && options_.progress->cancelled()) return;
+      if (cancelled(options_.progress)) return;
       opposite_ = opposite_half_edges(mesh_);
       split_.assign(opposite_.size(), 0);
       mark_far_triangles();

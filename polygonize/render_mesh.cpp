@@ -75,7 +75,7 @@ ColorImage render_mesh(const Model& model, const Scene& scene, const View& view,
   ColorImage image(options.width, options.height);
   const int n = options.samples;
   tbb::parallel_for(0, options.height, [&](int y) {
-    if (options.progress != nullptr && options.progress->cancelled()) return;
+    if (cancelled(options.progress)) return;
     for (int x = 0; x < options.width; ++x) {
       Vec3d sum{};
       for (int k = 0; k < n * n; ++k) {

@@ -128,7 +128,7 @@ std::vector<LostPoint> probe_shell(const ImplicitSurface& surface, const Triangl
   const std::size_t count = mesh.triangles.size();
   std::vector<std::vector<LostPoint>> chunks((count + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
-    if (options.progress != nullptr && options.progress->cancelled()) return;
+    if (cancelled(options.progress)) return;
     chunks[i] = prober.look(kChunk * i, std::min(kChunk * (i + 1), count));
   });
   std::vector<LostPoint> lost;

@@ -28,7 +28,7 @@ bool may_hold_surface(const Interval& range) {
 }
 
 std::vector<SurfaceBlock> root_blocks(const ImplicitSurface& surface, const Aabb& region,
-                                      std::uint64_t seed) {
+                                      std::uint64_t seed, const Progress* progress) {
   constexpr double kAcross = 8;
   const Vec3d extent = region.extent();
   const double size = std::max({extent.x, extent.y, extent.z}) / kAcross;
@@ -46,6 +46,7 @@ std::vector<SurfaceBlock> root_blocks(const ImplicitSurface& surface, const Aabb
       for (int i = 0; i < count[0]; ++i) {
         const Vec3d low = origin + size * Vec3d(i, j, k);
         const Aabb box{low, low + Vec3d{size, size, size}};
+        if (cancelled(progress)) return {};
         if (!may_hold_surface(surface.enclose(box))) continue;
         blocks.push_back({box, surface.restrict_to(box)});
       }
@@ -54,11 +55,13 @@ std::vector<SurfaceBlock> root_blocks(const ImplicitSurface& surface, const Aabb
   return blocks;
 }
 
-std::vector<SurfaceBlock> halved(const std::vector<SurfaceBlock>& blocks) {
+std::vector<SurfaceBlock> halved(const std::vector<SurfaceBlock>& blocks,
+                                 const Progress* progress) {
   std::vector<std::vector<SurfaceBlock>> parts(blocks.size());
   const bool restrict_more = blocks.size() <= kMostRestrictions;
-  tbb::parallel_for(std::size_t{0}, blocks.size(),
-                    [&](std::size_t i) { parts[i] = cs2mesh::halved(blocks[i], restrict_more); });
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+    if (!cancelled(progress)) parts[i] = cs2mesh::halved(blocks[i], restrict_more);
+  });
   std::vector<SurfaceBlock> out;
   for (auto& some : parts) out.insert(out.end(), some.begin(), some.end());
   return out;
@@ -113,14 +116,15 @@ std::vector<SurfaceBlock> halved(const SurfaceBlock& block, bool restrict_more) 
 }
 
 std::vector<SurfaceBlock> surface_blocks(const ImplicitSurface& surface, const Aabb& region,
-                                         std::size_t samples, std::uint64_t seed) {
+                                         std::size_t samples, std::uint64_t seed,
+                                         const Progress* progress) {
   if (region.empty() || !region.finite() || !(region.diagonal() > 0)) return {};
-  std::vector<SurfaceBlock> blocks = root_blocks(surface, region, seed);
+  std::vector<SurfaceBlock> blocks = root_blocks(surface, region, seed, progress);
   const double enough = static_cast<double>(samples) /
                         (kCrossingsPerSquare * kMostCellsPerBlock * kMostCellsPerBlock);
   for (int halvings = 0; halvings < kMostHalvings; ++halvings) {
     if (blocks.empty() || static_cast<double>(blocks.size()) >= enough) break;
-    blocks = halved(blocks);
+    blocks = halved(blocks, progress);
   }
   return blocks;
 }

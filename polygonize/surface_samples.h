@@ -18,9 +18,11 @@ struct SurfaceBlock {
 
 /// Cubes of one size that together hold all of the surface inside `region`: whatever is left out
 /// is free of surface, by ImplicitSurface::enclose. Halved until there are enough of them for
-/// `samples` crossings with a lattice of at most kMostCellsPerBlock cells along an edge.
+/// `samples` crossings with a lattice of at most kMostCellsPerBlock cells along an edge. Once
+/// cancelled, blocks are missing.
 std::vector<SurfaceBlock> surface_blocks(const ImplicitSurface& surface, const Aabb& region,
-                                         std::size_t samples, std::uint64_t seed);
+                                         std::size_t samples, std::uint64_t seed,
+                                         const Progress* progress = nullptr);
 
 /// The octants of a block that may hold surface, with restrictions of their own if `restrict_more`.
 std::vector<SurfaceBlock> halved(const SurfaceBlock& block, bool restrict_more);

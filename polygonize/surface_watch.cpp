@@ -13,11 +13,12 @@ SurfaceWatch::SurfaceWatch(const ImplicitSurface& surface, const SurfaceWatchOpt
     : options_(options) {
   require(options.enough > 0, "SurfaceWatch: the distance must be positive");
   const std::vector<SurfaceBlock> blocks =
-      surface_blocks(surface, surface.bounds(), options.samples, options.seed);
+      surface_blocks(surface, surface.bounds(), options.samples, options.seed, options.progress);
   const int cells = cells_per_block(blocks.size(), options.samples);
   patches_.resize(blocks.size());
-  tbb::parallel_for(std::size_t{0}, blocks.size(),
-                    [&](std::size_t i) { append_crossings(blocks[i], cells, patches_[i]); });
+  tbb::parallel_for(std::size_t{0}, blocks.size(), [&](std::size_t i) {
+    if (!cancelled(options.progress)) append_crossings(blocks[i], cells, patches_[i]);
+  });
 }
 
 bool SurfaceWatch::any() const {

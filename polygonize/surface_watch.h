@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "libfield/base/progress.h"
 #include "libfield/field/implicit_surface.h"
 #include "polygonize/closest_point.h"
 #include "polygonize/lost_point.h"
@@ -14,6 +15,7 @@ struct SurfaceWatchOptions {
   std::size_t samples = 100'000;  ///< all over the surface, roughly
   double enough = 0.0;            ///< distance beyond which a point is lost, > 0
   std::uint64_t seed = 1;
+  Progress* progress = nullptr;  ///< cancelled: samples are missing
 };
 
 /// Samples of a surface, found without a mesh and once for all looks: crossings with a lattice.

@@ -192,7 +192,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
       break;
     }
     const double back = both_ways.run(*mesh);
-    if (options.progress != nullptr && options.progress->cancelled()) {
+    if (cancelled(options.progress)) {
       return error_at({}, "interrupted", Failure::interrupted);
     }
     const double error = std::max(back, estimate.largest_distance(surface, *mesh));

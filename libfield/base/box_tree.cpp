@@ -41,10 +41,7 @@ void BoxTree::build(std::uint32_t first, std::uint32_t count) {
     nodes_[self].count = count;
     return;
   }
-  const Vec3d extent = keys.extent();
-  const std::size_t axis = extent.x >= extent.y && extent.x >= extent.z ? 0
-                           : extent.y >= extent.z                       ? 1
-                                                                        : 2;
+  const std::size_t axis = longest_axis(keys.extent());
   const std::uint32_t half = count / 2;
   const auto begin = order_.begin() + first;
   std::nth_element(begin, begin + half, begin + count, [&](std::uint32_t a, std::uint32_t b) {

@@ -15,4 +15,9 @@ class Progress {
   virtual bool cancelled() const { return false; }
 };
 
+/// Whether there is a user who wants to stop.
+inline bool cancelled(const Progress* progress) {
+  return progress != nullptr && progress->cancelled();
+}
+
 }  // namespace cs2mesh

@@ -50,6 +50,11 @@ constexpr Vec3<T> cross(const Vec3<T>& a, const Vec3<T>& b) {
   return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
 }
 
+/// The axis along which it is longest, the first of them.
+constexpr std::size_t longest_axis(const Vec3<double>& extent) {
+  if (extent.x >= extent.y && extent.x >= extent.z) return 0;
+  return extent.y >= extent.z ? 1 : 2;
+}
 template <class T>
 constexpr T squared_norm(const Vec3<T>& a) {
   return dot(a, a);

@@ -18,6 +18,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kThreshold = 1.0;
 /// Terms of a far field below this do not colour a point.
 constexpr double kLeastShare = 1e-4;
+constexpr std::size_t kManyTerms = 4096;
+/// A restriction looks through so few terms one by one; more are found in the tree of all.
+constexpr std::size_t kFewCandidates = 64;
 
 /// The block lattice spans the bounds of the surface; beyond it, every term counts.
 struct BlockLattice {
@@ -233,7 +236,8 @@ Aabb Field::bounds() const {
 
 void Field::near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const {
   found.clear();
-  if (!restricted_) {
+  // Within its box, the tree finds a restriction nothing that is not a candidate.
+  if (!restricted_ || candidates_.size() > kFewCandidates) {
     data_->reach.overlapping(box, found);
     std::sort(found.begin(), found.end());
     return;
@@ -303,8 +307,11 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
   std::vector<std::uint32_t> list;
   near_terms(batch.hull, list);
-  // What far terms leave open together is small against T.
-  const double negligible = 0.01 * kThreshold / static_cast<double>(data_->terms.size());
+  // What far terms leave open together is small against T. Boxes near very many terms are large
+  // beside the features of their sum: ranges will do.
+  const double negligible = list.size() > kManyTerms
+                                ? kInfinity
+                                : 0.01 * kThreshold / static_cast<double>(data_->terms.size());
   std::vector<SumBound> sums(boxes.size());
   for (const std::uint32_t i : list) add_bounds(data_->terms[i], batch, negligible, sums);
   std::size_t terms = list.size();

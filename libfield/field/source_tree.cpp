@@ -110,6 +110,7 @@ std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
     node.box.include(element.box());
     middles.include(element.middle());
     node.mass += element.mass();
+    if (element.weight < 0) node.negative_mass += element.mass();
     node.least_tau = std::min(node.least_tau, element.tau);
     largest_tau = std::max(largest_tau, element.tau);
   }
@@ -118,10 +119,7 @@ std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
   node.center = node.box.center();
   node.radius = std::max(0.5 * node.box.diagonal() * (1 + 1e-15), 1e-100);
   if (count > kLeafSize) {
-    const Vec3d extent = middles.extent();
-    const std::size_t axis = extent.x >= extent.y && extent.x >= extent.z ? 0
-                             : extent.y >= extent.z                       ? 1
-                                                                          : 2;
+    const std::size_t axis = longest_axis(middles.extent());
     const std::uint32_t half = count / 2;
     const auto begin = elements_.begin() + first;
     std::nth_element(begin, begin + half, begin + count,

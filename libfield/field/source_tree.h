@@ -50,6 +50,7 @@ struct SourceNode {
   Vec3d center;
   double radius = 0.0;  ///< about the centre, rounded up
   double mass = 0.0;
+  double negative_mass = 0.0;          ///< the part of it that is subtracted
   double least_tau = 0.0;              ///< of the elements
   double tau = 0.0;                    ///< half way to the greatest
   double tau_spread = 0.0;             ///< the greatest distance from there

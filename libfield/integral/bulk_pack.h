@@ -114,8 +114,8 @@ struct BulkPack {
       }
       kernel_series(two_nu, order, d, s, weight, c);
       if (spread) {
-        load_moments(sources + first, count - first, moments);
-        series_of_clusters(c, moments, clusters);
+        load_moments(order, sources + first, count - first, moments);
+        series_of_clusters(order, c, moments, clusters);
       }
       const P* add = spread ? clusters : c;
       visit_powers(
@@ -131,18 +131,20 @@ struct BulkPack {
   }
 
   /// The moments in the unit of the series.
-  static void load_moments(const SeriesSource* sources, std::size_t count, Pack<N>* moments) {
+  static void load_moments(int order, const SeriesSource* sources, std::size_t count,
+                           Pack<N>* moments) {
     for (std::size_t k = 0; k < kSeriesSize; ++k) moments[k] = Pack<N>(0.0);
     for (std::size_t lane = 0; lane < N && lane < count; ++lane) {
       const int i = static_cast<int>(lane);
       const SeriesSource& source = sources[lane];
-
       double power[kTaylorOrder + 1] = {1.0};
       for (int n = 1; n <= kTaylorOrder; ++n) power[n] = power[n - 1] * source.size;
-      visit_powers([&](int a, int b, int e) {
-        const std::size_t k = series_index(a, b, e);
-        moments[k].lane[i] = source.moments[k] * power[a + b + e];
-      });
+      visit_powers(
+          [&](int a, int b, int e) {
+            const std::size_t k = series_index(a, b, e);
+            moments[k].lane[i] = source.moments[k] * power[a + b + e];
+          },
+          order);
     }
   }
 

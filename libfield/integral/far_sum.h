@@ -20,7 +20,7 @@ struct SeriesSource {
 };
 
 /// Adds the series of the sources to `series`, up to that order. Either all of them have moments,
-/// and the order is kTaylorOrder, or none.
+/// or none.
 using AddSources = void (*)(double two_nu, int order, const SeriesSource* sources,
                             std::size_t count, double* series);
 
@@ -47,13 +47,17 @@ inline constexpr std::array<double, kSeriesSize> kFactorials = [] {
 }();
 
 /// The series of clusters from that of their centres, lane by lane, into `out`:
-///     out_k = 1 / k! sum_m (k + m)! c_(k + m) M_m.
+///     out_k = 1 / k! sum_m (k + m)! c_(k + m) M_m, |k + m| <= order.
 template <class T>
-void series_of_clusters(const T* c, const T* moments, T* out) {
+void series_of_clusters(int order, const T* c, const T* moments, T* out) {
   std::array<T, kSeriesSize> derivative;
-  for (std::size_t i = 0; i < kSeriesSize; ++i) derivative[i] = c[i] * T(kFactorials[i]);
-  visit_powers([&](int a, int b, int e) {
-    const int rest = kTaylorOrder - a - b - e;
+  const auto differentiate = [&](int a, int b, int e) {
+    const std::size_t place = series_index(a, b, e);
+    derivative[place] = c[place] * T(kFactorials[place]);
+  };
+  visit_powers(differentiate, order);
+  const auto shift = [&](int a, int b, int e) {
+    const int rest = order - a - b - e;
     T sum(0);
     for (int i = 0; i <= rest; ++i) {
       for (int j = 0; i + j <= rest; ++j) {
@@ -64,7 +68,8 @@ void series_of_clusters(const T* c, const T* moments, T* out) {
     }
     const std::size_t place = series_index(a, b, e);
     out[place] = sum * T(1.0 / kFactorials[place]);
-  });
+  };
+  visit_powers(shift, order);
 }
 
 }  // namespace detail

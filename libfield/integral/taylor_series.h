@@ -123,6 +123,13 @@ void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const
       order);
 }
 
+/// x^-nu.
+inline double inverse_power(double two_nu, double x) {
+  if (two_nu == 4.0) return 1 / (x * x);
+  if (two_nu == 2.0) return 1 / x;
+  return 1 / std::sqrt(x);
+}
+
 /// sum_(m > order) binomial(m + 2 nu - 1, m) q^m, rounded up; infinite from q = 1 on.
 inline double series_remainder(double two_nu, double q, int order = kTaylorOrder) {
   double term = 1.0;

@@ -1,0 +1,53 @@
+// Sorts what a cell of a far field has to sum by how far it is.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "libfield/field/far_cell.h"
+#include "libfield/integral/far_sum.h"
+
+namespace cs2mesh {
+
+class FarField::Sorter {
+ public:
+  Sorter(const FarField& field, Cell& cell) : field_(field), cell_(cell) {}
+
+  /// Moves what is far enough of these nodes and elements into the cell's series, and the others
+  /// into its lists. Returns a bound of the error anywhere in the cell, at most `budget`.
+  double sort(const std::vector<std::uint32_t>& nodes, const std::vector<std::uint32_t>& elements,
+              double budget);
+
+  /// Divides what a leaf still lists into what is near and what a few points stand for.
+  void finish(double budget);
+
+ private:
+  /// Degrees at which a series may end.
+  static constexpr std::array<int, 6> kOrders = {0, 2, 4, 6, 8, kTaylorOrder};
+  using ByOrder = std::array<std::vector<SeriesSource>, kOrders.size()>;
+  /// An index into kOrders, with the error that it leaves.
+  struct Truncation {
+    std::size_t order = 0;
+    double error = 0.0;
+  };
+
+  static Truncation lowest_order(double two_nu, double q, double most);
+  void sort_node(std::uint32_t index, double each);
+  bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
+  double spread_remainder(double q, double spread) const;
+  void sort_element(std::uint32_t index, double each);
+  int nodes_for(const FarElement& element, double d, double each);
+  void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
+                  const double* moments, double size) const;
+  void sum_up();
+
+  const FarField& field_;
+  Cell& cell_;
+  double error_ = 0.0;
+  std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
+  ByOrder single_;
+  std::vector<PointSource> places_;
+};
+
+}  // namespace cs2mesh
