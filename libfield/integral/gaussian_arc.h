@@ -15,13 +15,13 @@
 // is an end, the integrand falls from there on like exp(-g x), 0 <= x <= 1, g <= 37, at worst; then
 // M is exp(g / 2 (cosh - 1)), and a panel with g <= 20 errs by exp(-52): two of them do, at least
 // where kappa (S^2 - S0^2) > 18. For a short or wide arc, g <= 2 and H sqrt(kappa + 2) <= 0.6,
-// eight nodes have exp(-38.9).
-// A stiff kernel near the arc, kappa >= 400 and S0^2 kappa <= 4, has an expansion. With
+// eight nodes have exp(-38.9); for g <= 12 and H sqrt(kappa + 4) <= 2.2 fourteen have exp(-40).
+// A stiff kernel near the arc, kappa >= 100 and S0^2 kappa <= 4, has an expansion. With
 // w = sqrt(kappa) S,
 //     int h dphi = 2 / sqrt(kappa) sum b_j kappa^-j int w^2j e^(-w^2) dw,
 // b_j the coefficients of (1 - x)^(-1/2). Integrals to infinity follow from erfc by recurrences of
 // positive terms, and where the exponent falls by more than 2 along the arc, differences of them
-// lose a factor of 4 at most. What follows j = 8 is below 1e-17.
+// lose a factor of 4 at most. What follows j = 14 is below 7e-18.
 // All terms of a value are positive, but for those differences. One exponent holds the amplitude
 // and the distance, cut off at Gaussian::kGreatestExponent, so stiff kernels do not overflow. Value
 // and gradient are within a few ulp of the exact result for inputs moved by a few ulp. Finite for
@@ -39,6 +39,7 @@ namespace cs2mesh {
 namespace detail {
 
 inline constexpr double kArcFall = 37.0;
+inline constexpr double kMostArcPanels = 8.0;
 
 /// exp(x) for |x| < 700.
 template <class T>
@@ -53,7 +54,10 @@ struct GaussianArcLaw {
   T kappa, least;  ///< least = S0^2
 
   ArcFall<T> at(const T& s2) const {
-    const T h = moderate_exp(T(-kappa * (s2 - least)));
+    using std::max;
+    using std::min;
+    // Within [-37, 0], but for rounding, which has no bound of its own.
+    const T h = moderate_exp(T(max(T(-60), min(T(-kappa * (s2 - least)), T(1)))));
     return {h, h};
   }
 };
@@ -63,9 +67,11 @@ template <class T>
 ArcSums<T> gaussian_arc_piece(const GaussianArcLaw<T>& law, const T& from, const T& span,
                               const T& least_count) {
   using std::max;
+  using std::min;
   using std::sqrt;
-  const T count =
-      max(least_count, T(-vmath::floor(T(span * sqrt(law.kappa + T(4)) * T(-1.0 / 8.2)))));
+  // (Five; the bound is for lanes of packs that have overflowed, whose result is not used.)
+  const T panels = -vmath::floor(T(span * sqrt(law.kappa + T(4)) * T(-1.0 / 8.2)));
+  const T count = min(T(kMostArcPanels), T(max(least_count, panels)));
   const T width = span / count;
   const ArcTurns<20, T> turns(width);
   ArcSums<T> sum;
@@ -76,11 +82,23 @@ ArcSums<T> gaussian_arc_piece(const GaussianArcLaw<T>& law, const T& from, const
   return sum;
 }
 
-inline constexpr double kStiffArc = 400.0;
+inline constexpr double kStiffArc = 100.0;
 /// b_j.
-inline constexpr std::array<double, 9> kRootPowers = {1.0,          1.0 / 2,      3.0 / 8,
-                                                      5.0 / 16,     35.0 / 128,   63.0 / 256,
-                                                      231.0 / 1024, 429.0 / 2048, 6435.0 / 32768};
+inline constexpr std::array<double, 15> kRootPowers = {1.0,
+                                                       1.0 / 2,
+                                                       3.0 / 8,
+                                                       5.0 / 16,
+                                                       35.0 / 128,
+                                                       63.0 / 256,
+                                                       231.0 / 1024,
+                                                       429.0 / 2048,
+                                                       6435.0 / 32768,
+                                                       12155.0 / 65536,
+                                                       46189.0 / 262144,
+                                                       88179.0 / 524288,
+                                                       676039.0 / 4194304,
+                                                       1300075.0 / 8388608,
+                                                       5014575.0 / 33554432};
 
 /// sum b_j kappa^-j Gj and sum b_j kappa^-j G(j + 1).
 template <class T>
@@ -139,8 +157,12 @@ ArcSums<T> gaussian_arc_nodes(const ArcFrame<T>& arc, const ArcPoint<T>& at,
   const T reach = T(2) * vmath::atan2(T(sqrt(bound)), T(sqrt(T(1) - bound)));
   const ArcWindow<T> window(arc, at, reach, top >= T(1));
   FirstOf<T, ArcSums<T>> sums(lanes);
-  sums.take(both(fall <= T(2), arc.sweep * arc.sweep * (law.kappa + T(2)) <= T(1.44)),
-            [&] { return arc_stretch<8>(law, window.from, window.span); });
+  const T turn2 = arc.sweep * arc.sweep;
+  const bool done = sums.take(both(fall <= T(2), turn2 * (law.kappa + T(2)) <= T(1.44)),
+                              [&] { return arc_stretch<8>(law, window.from, window.span); }) ||
+                    sums.take(both(fall <= T(12), turn2 * (law.kappa + T(4)) <= T(19.36)),
+                              [&] { return arc_stretch<14>(law, window.from, window.span); });
+  if (done) return sums.result();
   return sums.otherwise([&] {
     const T least_count = select(fall > T(18), T(2), T(1));
     ArcSums<T> sum = gaussian_arc_piece(law, window.from, window.span, least_count);
