@@ -140,7 +140,8 @@ T arc_cotangent(const ArcFrame<T>& arc, const UnitArcPlace<T>& p, const T& r1, c
   using std::copysign;
   using std::max;
   using std::min;
-  const ArcEnd<T>&e1 = p.end[0], &e2 = p.end[1];
+  const ArcEnd<T>& e1 = p.end[0];
+  const ArcEnd<T>& e2 = p.end[1];
   const T cc = e1.cosine * e2.cosine, ss = e1.sine * e2.sine;
   const T n = p.m * cc + ss * (r1 * r2);
   // Y = N / D, D = sc1 - sc2, or N (sc1 + sc2) / (M delta), M positive, delta = S2^2 - S1^2 known
@@ -226,7 +227,7 @@ JetOf<T> inverse_arc(const K& kernel, const ArcFrame<T>& arc, const Vec3<T>& poi
   const T inverse = T(1) / arc.radius;
   const Vec3<T> d = inverse * Vec3<T>(point - arc.center);
   const auto near = squared_norm(d) < T(kFarSquared);
-  const auto some = near & (arc.radius * arc.sweep > T(0));
+  const auto some = both(near, arc.radius * arc.sweep > T(0));
   if (!any(some)) return {};
   const ArcPoint<T> at = arc_point(arc, d);
   UnitArcPlace<T> place(arc, {at, at.rho - T(1)});
