@@ -236,7 +236,7 @@ JetOf<T> inverse_arc(const K& kernel, const ArcFrame<T>& arc, const Vec3<T>& poi
   const T least = max(T(T(kernel.clamp) * inverse), T(T(1e-13) * size));
   const auto close = place.squared_distance() < least * least;
   if (any(close)) {
-    const ArcSpot<T> here = place;
+    const ArcSpot<T> here{place.at, place.apart};
     place = UnitArcPlace<T>(arc, select(close, place.moved_away(arc, least), here));
   }
   const JetOf<T> unit = unit_inverse_arc(kernel, arc, place);

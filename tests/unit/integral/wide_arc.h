@@ -57,7 +57,7 @@ class ArcQuadrature {
   /// Adds the integrals over [from, to].
   void add(const Quad& first, const Quad& last) {
     std::vector<Quad> cuts{first, last};
-    const Quad turn = boost::math::constants::two_pi<Quad>();
+    const Quad& turn = boost::math::constants::two_pi<Quad>();
     const auto cut = [&](const Quad& angle) {
       for (const Quad& x : {angle, Quad(-angle), Quad(angle - turn), Quad(-angle - turn)}) {
         if (first < x && x < last) cuts.push_back(x);
@@ -144,7 +144,8 @@ JetOf<Quad> arc_field(const K& kernel, const Arc& arc, const Vec3<Quad>& p) {
   const Quad x = dot(d, ex), y = dot(d, ey), z = dot(d, n), c = arc.radius;
   const Quad rho = sqrt(x * x + y * y);
   const Quad cosine = rho > 0 ? Quad(x / rho) : Quad(1), sine = rho > 0 ? Quad(y / rho) : Quad(0);
-  const Quad alpha = atan2(Quad(abs(sine)), cosine), pi = boost::math::constants::pi<Quad>();
+  const Quad alpha = atan2(Quad(abs(sine)), cosine);
+  const Quad& pi = boost::math::constants::pi<Quad>();
   // What double rounds off a turn is no gap in a circle.
   const Quad half = arc.sweep < 2 * std::numbers::pi ? Quad(Quad(arc.sweep) / 2) : pi;
   ArcQuadrature<K> sum(kernel, (rho - c) * (rho - c) + z * z, 4 * c * rho);
