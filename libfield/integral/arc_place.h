@@ -102,35 +102,35 @@ JetOf<T> arc_jet(const ArcFrame<T>& arc, const T& c, const ArcPoint<T>& at, cons
           (twice * gx) * arc.ex + (twice * gy) * arc.ey + (twice * (at.z * sum.n0)) * arc.normal};
 }
 
-/// A kernel at two squared distances: h, and K / law.slope.
+/// Two numbers that one division gives.
 template <class T>
-struct ArcFalls {
-  T h_a, h_b, k_a, k_b;
+struct ArcPair {
+  T a, b;
 };
 
 /// Gauss-Legendre over the whole arc of radius `c`; `x`, `y` as in ArcFrame, N nodes and their
-/// mirror images.
+/// mirror images. The law has w of two squared distances, and of w the kernel h and K / law.slope.
 template <std::size_t N, class T, class Law>
 JetOf<T> arc_nodes(const ArcFrame<T>& arc, const T& c, const std::array<double, N>& x,
                    const std::array<double, N>& y, const ArcPoint<T>& at, const Law& law) {
   constexpr const GaussLegendreRule<2 * N>& rule = kGaussLegendre<2 * N>;
   const T z2 = at.z * at.z;
-  std::array<ArcFalls<T>, N> falls;
+  std::array<ArcPair<T>, N> w;
   for (std::size_t i = 0; i < N; ++i) {
     const T dx = at.x - c * T(x[i]);
     const T up = at.y - c * T(y[i]);
     const T down = at.y + c * T(y[i]);
     const T beside = z2 + dx * dx;
-    falls[i] = law.falls(T(beside + up * up), T(beside + down * down));
+    w[i] = law.pair(T(beside + up * up), T(beside + down * down));
   }
   T value(0), k(0), k_x(0), k_y(0);
   for (std::size_t i = 0; i < N; ++i) {
     const T weight(rule.weight[i]);
-    const T both = falls[i].k_a + falls[i].k_b;
-    value += weight * (falls[i].h_a + falls[i].h_b);
+    const T upper = law.k(w[i].a), lower = law.k(w[i].b), both = upper + lower;
+    value += weight * (law.h(w[i].a) + law.h(w[i].b));
     k += weight * both;
     k_x += weight * (both * (at.x - c * T(x[i])));
-    k_y += weight * (both * at.y - (falls[i].k_a - falls[i].k_b) * (c * T(y[i])));
+    k_y += weight * (both * at.y - (upper - lower) * (c * T(y[i])));
   }
   const T half_length = T(0.5) * c * arc.sweep;
   const T slope = T(2) * law.slope * half_length;

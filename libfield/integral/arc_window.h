@@ -38,48 +38,58 @@ struct ArcWindow {
   }
 };
 
-/// A kernel at one distance: h and K.
+/// A kernel at one distance: h and 2K.
 template <class T>
 struct ArcFall {
-  T h, k;
+  T h, slope;
 };
 
-/// Sine and cosine of half the angles from the middle of a stretch to N Gauss-Legendre nodes: those
-/// on one side.
+/// Sine and cosine of half the angle from the middle of a stretch to node i of those of N on one
+/// side; found when asked for.
 template <std::size_t N, class T>
 struct ArcTurns {
+  T quarter;  ///< half the span, and half the angle
+
+  explicit ArcTurns(const T& span) : quarter(T(0.25) * span) {}
+  vmath::SineCosine<T> operator[](std::size_t i) const {
+    return vmath::sin_cos_pi(T(quarter * T(kGaussLegendre<N>.node[i] * std::numbers::inv_pi)));
+  }
+};
+/// The same for several stretches of one span.
+template <std::size_t N, class T>
+struct StoredArcTurns {
   std::array<vmath::SineCosine<T>, N / 2> turn;
 
-  explicit ArcTurns(const T& span) {
-    const T quarter = T(0.25) * span;  // half the span, and half the angle
-    for (std::size_t i = 0; i < N / 2; ++i) {
-      turn[i] = vmath::sin_cos_pi(T(quarter * T(kGaussLegendre<N>.node[i] * std::numbers::inv_pi)));
-    }
+  explicit StoredArcTurns(const T& span) {
+    const ArcTurns<N, T> turns(span);
+    for (std::size_t i = 0; i < N / 2; ++i) turn[i] = turns[i];
   }
+  const vmath::SineCosine<T>& operator[](std::size_t i) const { return turn[i]; }
 };
 
 /// The sums over |span| from `from` on, with the turns of that span; law.at(sin^2(phi / 2)) is the
 /// kernel. All terms of a value have its sign.
-template <std::size_t N, class T, class Law>
-ArcSums<T> arc_stretch(const Law& law, const ArcTurns<N, T>& turns, const T& from, const T& span) {
+template <std::size_t N, class T, class Law, class Turns>
+ArcSums<T> arc_stretch(const Law& law, const Turns& turns, const T& from, const T& span) {
   constexpr const GaussLegendreRule<N>& rule = kGaussLegendre<N>;
   const auto middle =
       vmath::sin_cos_pi(T((T(0.5) * from + T(0.25) * span) * T(std::numbers::inv_pi)));
   ArcSums<T> part;
   for (std::size_t i = 0; i < rule.node.size(); ++i) {
-    const auto& turn = turns.turn[i];
+    const auto turn = turns[i];
     const T weight(0.5 * rule.weight[i]);
     for (const double side : {-1.0, 1.0}) {
       const T s = middle.sine * turn.cosine + T(side) * (middle.cosine * turn.sine);
       const T c = middle.cosine * turn.cosine - T(side) * (middle.sine * turn.sine);
-      const ArcFall<T> at = law.at(T(s * s));
-      const T k = weight * at.k, twice = k + k;
+      const auto at = law.at(T(s * s));
+      const T k2 = weight * at.slope;
       part.value += weight * at.h;
-      part.n0 += k;
-      part.n1 += twice * (s * s);
-      part.ns += twice * (s * c);
+      part.n0 += k2;
+      part.n1 += k2 * (s * s);
+      part.ns += k2 * (s * c);
     }
   }
+  part.n0 *= T(0.5);
   return span * part;
 }
 template <std::size_t N, class T, class Law>
@@ -87,12 +97,14 @@ ArcSums<T> arc_stretch(const Law& law, const T& from, const T& span) {
   return arc_stretch<N, T>(law, ArcTurns<N, T>(span), from, span);
 }
 
-/// The jet of sums taken over the mirror image where alpha < 0.
+/// The jet of sums taken over the mirror image where alpha < 0, whose K is to be times `slope`.
 template <class T>
 JetOf<T> unmirrored_arc_jet(const ArcFrame<T>& arc, const ArcPoint<T>& at, const T& apart,
-                            ArcSums<T> sum) {
-  sum.ns = select(at.sin_alpha < T(0), T(-sum.ns), sum.ns);
-  return arc_jet(arc, arc.radius, at, apart, sum);
+                            const ArcSums<T>& sum, const T& slope) {
+  const T ns = slope * sum.ns;
+  const ArcSums<T> scaled{sum.value, slope * sum.n0, slope * sum.n1,
+                          select(at.sin_alpha < T(0), T(-ns), ns)};
+  return arc_jet(arc, arc.radius, at, apart, scaled);
 }
 
 }  // namespace detail

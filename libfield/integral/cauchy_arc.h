@@ -24,16 +24,17 @@
 namespace cs2mesh {
 namespace detail {
 
-/// h = v^-2 and K = slope v^-3 at two squared distances, by one division.
+/// w = 1 / v, h = w^2 and K = slope w^3.
 template <class T>
 struct CauchyArcLaw {
   T s2, slope;
 
-  ArcFalls<T> falls(const T& a, const T& b) const {
+  ArcPair<T> pair(const T& a, const T& b) const {
     const Reciprocals<T> w(T(1) + s2 * a, T(1) + s2 * b);
-    const T a2 = w.of_a * w.of_a, b2 = w.of_b * w.of_b;
-    return {a2, b2, a2 * w.of_a, b2 * w.of_b};
+    return {w.of_a, w.of_b};
   }
+  T h(const T& w) const { return w * w; }
+  T k(const T& w) const { return w * w * w; }
 };
 
 template <class T>

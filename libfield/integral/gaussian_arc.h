@@ -48,7 +48,7 @@ T moderate_exp(const T& x) {
   return scaled_by_rounded(T(T(1) + e.rest), T(e.k + T(kRounder)));
 }
 
-/// h, and K over -a^2: exp(-kappa (S^2 - S0^2)).
+/// h, and 2K over -2 a^2, which is the same: exp(-kappa (S^2 - S0^2)).
 template <class T>
 struct GaussianArcLaw {
   T kappa, least;  ///< least = S0^2
@@ -73,11 +73,11 @@ ArcSums<T> gaussian_arc_piece(const GaussianArcLaw<T>& law, const T& from, const
   const T panels = -vmath::floor(T(span * sqrt(law.kappa + T(4)) * T(-1.0 / 8.2)));
   const T count = min(T(kMostArcPanels), T(max(least_count, panels)));
   const T width = span / count;
-  const ArcTurns<20, T> turns(width);
+  const StoredArcTurns<20, T> turns(width);
   ArcSums<T> sum;
   for (T i(0); any(i < count); i += T(1)) {
     const T here = select(i < count, width, T(0));
-    sum += arc_stretch(law, turns, T(from + i * width), here);
+    sum += arc_stretch<20, T>(law, turns, T(from + i * width), here);
   }
   return sum;
 }
@@ -142,7 +142,7 @@ ArcSums<T> stiff_arc_sums(const T& kappa, const T& w1, const T& w2, const MaskOf
   const T scale = T(2) * sqrt(per_kappa);
   const T value = scale * between(all.value, near.value, far.value);
   const T squared = scale * per_kappa * between(all.squared, near.squared, far.squared);
-  return {value, value, T(2) * squared, T(2) * per_kappa * (at_far - at_near)};
+  return {value, T(0.5) * value, squared, per_kappa * (at_far - at_near)};
 }
 
 /// The sums by nodes; `fall` is that of the exponent along the arc.
@@ -173,7 +173,7 @@ ArcSums<T> gaussian_arc_nodes(const ArcFrame<T>& arc, const ArcPoint<T>& at,
   });
 }
 
-/// The sums with K over -a^2, h over its greatest value on the arc.
+/// The sums with K over -2 a^2, h over its greatest value on the arc.
 template <class T>
 ArcSums<T> gaussian_arc_sums(const ArcFrame<T>& arc, const ArcPoint<T>& at, const T& kappa,
                              const std::array<ArcEnd<T>, 2>& end) {
@@ -218,10 +218,9 @@ requires(kIsDouble<T>) JetOf<T> integral(const Gaussian& kernel, const ArcFrame<
   const T exponent = T(kernel.log_amplitude) - a2 * (apart * apart + at.z * at.z) - kappa * least;
   const auto alive = near & (exponent > T(detail::kLeastExponent));
   if (!any(alive)) return {};
-  detail::ArcSums<T> sum = detail::gaussian_arc_sums(arc, at, kappa, end);
-  sum.n0 *= -a2, sum.n1 *= -a2, sum.ns *= -a2;
-  const JetOf<T> jet =
-      detail::bounded_exp(exponent) * detail::unmirrored_arc_jet(arc, at, apart, sum);
+  const detail::ArcSums<T> sum = detail::gaussian_arc_sums(arc, at, kappa, end);
+  const JetOf<T> jet = detail::bounded_exp(exponent) *
+                       detail::unmirrored_arc_jet(arc, at, apart, sum, T(T(-2) * a2));
   return select(alive, jet, JetOf<T>{});
 }
 inline Jet integral(const Gaussian& kernel, const Arc& arc, const Vec3d& point) {

@@ -102,26 +102,26 @@ struct UnitArcPlace : ArcSpot<T> {
   }
 };
 
-/// h = 1 / u and K = -u^-2 at two squared distances. (No common division: it would cut off
-/// distances beyond 1e75.)
+/// w = h = 1 / u, K = slope w^2. (No common division: it would cut off distances beyond 1e75.)
 template <class T>
 struct SquaredArcLaw {
   T slope = T(-1);
 
-  ArcFalls<T> falls(const T& a, const T& b) const {
-    const T wa = T(1) / a, wb = T(1) / b;
-    return {wa, wb, wa * wa, wb * wb};
-  }
+  ArcPair<T> pair(const T& a, const T& b) const { return {T(1) / a, T(1) / b}; }
+  T h(const T& w) const { return w; }
+  T k(const T& w) const { return w * w; }
 };
+/// w = h = 1 / r, K = slope w^3.
 template <class T>
 struct InverseArcLaw {
   T slope = T(-0.5);
 
-  ArcFalls<T> falls(const T& a, const T& b) const {
+  ArcPair<T> pair(const T& a, const T& b) const {
     using std::sqrt;
-    const T wa = T(1) / sqrt(a), wb = T(1) / sqrt(b);
-    return {wa, wb, wa * (wa * wa), wb * (wb * wb)};
+    return {T(1) / sqrt(a), T(1) / sqrt(b)};
   }
+  T h(const T& w) const { return w; }
+  T k(const T& w) const { return w * w * w; }
 };
 template <class T>
 SquaredArcLaw<T> arc_law(const Squared&) {

@@ -27,12 +27,12 @@
 namespace cs2mesh {
 namespace detail {
 
-/// Within R / 3: h and K R^2.
+/// Within R / 3: h and 2K R^2.
 template <class T>
 struct MetaballCoreLaw {
   T top, gap;  ///< top = 1 - 3 m / R^2
 
-  ArcFall<T> at(const T& s2) const { return {top - T(3) * gap * s2, T(-3)}; }
+  ArcFall<T> at(const T& s2) const { return {top - T(3) * gap * s2, T(-6)}; }
 };
 
 /// Between R / 3 and R.
@@ -47,7 +47,7 @@ struct MetaballRingLaw {
     const T y = sqrt(T(1) - v);
     const T rest = v / (y * (T(1) + y));  // (1 - y) / y
     const T m = rest * y;
-    return {T(1.5) * (m * m), T(-1.5) * rest};
+    return {T(1.5) * (m * m), T(-3) * rest};
   }
 };
 
@@ -140,9 +140,9 @@ requires(kIsDouble<T>) JetOf<T> integral(const Metaball& kernel, const ArcFrame<
   const T x = (radius - least) * (radius + least) * per_square;
   const T core_x = (core - least) * (core + least) * per_square;
   const T gap = T(4) * c * at.rho * per_square;
-  detail::ArcSums<T> sum = detail::metaball_arc_sums(arc, at, x, core_x, gap);
-  sum.n0 *= per_square, sum.n1 *= per_square, sum.ns *= per_square;
-  const JetOf<T> jet = T(kernel.amplitude) * detail::unmirrored_arc_jet(arc, at, apart, sum);
+  const detail::ArcSums<T> sum = detail::metaball_arc_sums(arc, at, x, core_x, gap);
+  const JetOf<T> jet =
+      T(kernel.amplitude) * detail::unmirrored_arc_jet(arc, at, apart, sum, per_square);
   return select(reached, jet, JetOf<T>{});
 }
 inline Jet integral(const Metaball& kernel, const Arc& arc, const Vec3d& point) {

@@ -30,10 +30,9 @@ struct SupportArcLaw {
   const K& kernel;
   T x, gap;
 
-  ArcFall<T> at(const T& s2) const {
+  SupportLaw<T> at(const T& s2) const {
     using std::max;
-    const SupportLaw<T> v = law(kernel, T(max(T(0), T(x - gap * s2))));
-    return {v.h, T(0.5) * v.slope};
+    return law(kernel, T(max(T(0), T(x - gap * s2))));
   }
 };
 
@@ -57,8 +56,7 @@ JetOf<T> support_arc(const K& kernel, const ArcFrame<T>& arc, const Vec3<T>& poi
   const SupportArcLaw<K, T> law{kernel, x, gap};
   ArcSums<T> sum = arc_stretch<20>(law, window.from, window.span);
   if (any(window.behind > T(0))) sum += arc_stretch<20>(law, window.behind_from, window.behind);
-  sum.n0 *= per_square, sum.n1 *= per_square, sum.ns *= per_square;
-  const JetOf<T> jet = T(kernel.amplitude) * unmirrored_arc_jet(arc, at, apart, sum);
+  const JetOf<T> jet = T(kernel.amplitude) * unmirrored_arc_jet(arc, at, apart, sum, per_square);
   return select(reached, jet, JetOf<T>{});
 }
 
