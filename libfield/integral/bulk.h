@@ -41,6 +41,8 @@ using BulkRow = std::tuple<
     AddIntegrals<Squared, SegmentFrame<double>, Out>,
     AddIntegrals<Metaball, SegmentFrame<double>, Out>,
     AddIntegrals<Soft, SegmentFrame<double>, Out>, AddIntegrals<Quartic, SegmentFrame<double>, Out>,
+    AddIntegrals<Gaussian, ArcFrame<double>, Out>, AddIntegrals<Metaball, ArcFrame<double>, Out>,
+    AddIntegrals<Inverse, ArcFrame<double>, Out>, AddIntegrals<Squared, ArcFrame<double>, Out>,
     AddIntegrals<Soft, ArcFrame<double>, Out>, AddIntegrals<Quartic, ArcFrame<double>, Out>,
     AddIntegrals<Cauchy, Plane, Out>, AddIntegrals<Gaussian, Plane, Out>,
     AddIntegrals<Metaball, Plane, Out>, AddIntegrals<Soft, Plane, Out>,

@@ -5,8 +5,11 @@
 #include "libfield/integral/cauchy_arc.h"
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/cauchy_triangle.h"
+#include "libfield/integral/gaussian_arc.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/inverse_arc.h"
 #include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/metaball_arc.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
@@ -180,6 +183,10 @@ struct BulkPack {
             &add<Metaball, SegmentFrame<double>, Out>,
             &add<Soft, SegmentFrame<double>, Out>,
             &add<Quartic, SegmentFrame<double>, Out>,
+            &add<Gaussian, ArcFrame<double>, Out>,
+            &add<Metaball, ArcFrame<double>, Out>,
+            &add<Inverse, ArcFrame<double>, Out>,
+            &add<Squared, ArcFrame<double>, Out>,
             &add<Soft, ArcFrame<double>, Out>,
             &add<Quartic, ArcFrame<double>, Out>,
             &add<Cauchy, Plane, Out>,

@@ -3,10 +3,10 @@
 //
 //            point        segment             arc             triangle            plane
 //  cauchy    closed       closed              closed          closed              closed
-//  gaussian  closed       closed              quadrature      quadrature          closed
-//  inverse   closed       closed              quadrature      quadrature          divergent
-//  squared   closed       closed              quadrature      quadrature          divergent
-//  metaball  closed       closed              quadrature      quadrature          closed
+//  gaussian  closed       closed              nodes           quadrature          closed
+//  inverse   closed       closed              closed          quadrature          divergent
+//  squared   closed       closed              closed          quadrature          divergent
+//  metaball  closed       closed              nodes           quadrature          closed
 //  soft      closed       closed              nodes (exact)   quadrature          closed
 //  quartic   closed       closed              nodes (exact)   quadrature          closed
 //
@@ -16,8 +16,11 @@
 #include "libfield/integral/cauchy_arc.h"
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/cauchy_triangle.h"
+#include "libfield/integral/gaussian_arc.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/inverse_arc.h"
 #include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/metaball_arc.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/point.h"
 #include "libfield/integral/quadrature.h"
@@ -32,9 +35,7 @@ inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plan
 
 /// Whether quadrature stands in for a closed form; the table above as code.
 template <class K, class P>
-inline constexpr bool kNeedsQuadrature =
-    !std::is_same_v<K, Cauchy> &&
-    ((std::is_same_v<P, Arc> && !detail::kIsPolynomial<K>) || std::is_same_v<P, Triangle>);
+inline constexpr bool kNeedsQuadrature = !std::is_same_v<K, Cauchy> && std::is_same_v<P, Triangle>;
 
 /// Pairs without a closed form, in double alone.
 template <class K, class P>

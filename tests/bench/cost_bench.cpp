@@ -114,8 +114,7 @@ double scalar_cost(const Term& term, const std::vector<Vec3d>& points) {
 bool has_closed_form(KernelKind kind, std::size_t shape) {
   const bool inverse = kind == KernelKind::inverse || kind == KernelKind::squared;
   if (shape == 4) return !inverse;
-  const bool even = kind == KernelKind::soft || kind == KernelKind::quartic;
-  return shape < 2 || kind == KernelKind::cauchy || (shape == 2 && even);
+  return shape < 3 || kind == KernelKind::cauchy;
 }
 
 void print_row(KernelKind kind, std::size_t shape, const std::vector<Vec3d>& points,

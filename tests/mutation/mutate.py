@@ -19,10 +19,12 @@ import subprocess
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-FORMS = ["cauchy_arc", "cauchy_segment", "cauchy_triangle", "gaussian_segment", "inverse_segment",
-         "plane", "point", "support_segment"]
+FORMS = ["arc_place", "arc_powers", "arc_window", "carlson", "cauchy_arc", "cauchy_segment",
+         "cauchy_triangle", "gaussian_arc", "gaussian_segment", "inverse_arc", "inverse_segment",
+         "metaball_arc", "plane", "point", "support_arc", "support_segment"]
 STAGES = [("tests/oracle/field_reference_test.cpp", "-O0", "FieldReference.EveryRowIsExactFor*"),
-          ("tests/unit/integral/closed_form_test.cpp", "-O1", "ClosedForm.*Exact*")]
+          ("tests/unit/integral/closed_form_test.cpp", "-O1", "ClosedForm.*Exact*"),
+          ("tests/unit/integral/arc_test.cpp", "-O1", "ArcFields.*Exact*")]
 
 # What does not enter a value: declarations, loops, tables, conditions of types.
 SKIPPED = re.compile(r"^\s*(//|#|template|using|namespace|friend|static_assert|requires|for |"

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 
@@ -129,5 +130,65 @@ inline Gaussian gaussian_for(SegmentCase& sample) {
   sample.condition = std::max(1.0, log_amplitude);
   return {a, log_amplitude};
 }
+
+inline Gaussian gaussian_for(ArcCase& sample) {
+  const double a = std::min(sample.per_width, 20.0 / std::max(1e-3 * sample.scale, 1e-300));
+  const double d = distance(sample.primitive, sample.point);
+  const double log_amplitude = std::min(500.0, 0.9 * (a * d) * (a * d));
+  sample.condition = std::max(1.0, log_amplitude);
+  return {a, log_amplitude};
+}
+
+/// Arcs and points in every pairing of a sweep, from 1e-9 degrees to a full circle, with a place:
+/// near or far, on the axis, all but on it, on the circle beside the arc, in its plane, beyond an
+/// end. Widths from far below the distance to far beyond the arc.
+struct ArcRegime : ArcCase {
+  static constexpr std::array<double, 12> kDegrees = {1e-9,       1e-5, 0.01, 1,   30,       90,
+                                                      179.999999, 180,  181,  300, 359.9999, 360};
+  static constexpr int kPlaces = 9, kCount = 12 * kPlaces;
+
+  explicit ArcRegime(Random& random) : ArcCase(random) {
+    const auto pairing = static_cast<std::size_t>(random.uniform(0.0, kCount - 1e-6));
+    const double half = 0.5 * std::numbers::pi / 180.0 * kDegrees[pairing % 12];
+    primitive.sweep = std::min(2.0 * half, 2.0 * std::numbers::pi);
+    const double c = primitive.radius, small = c * power_of_ten(random, -9, -3);
+    const auto at = [&](double angle, double radius, double z) {
+      return primitive.center + (radius * std::cos(angle)) * primitive.ex +
+             (radius * std::sin(angle)) * primitive.ey + z * primitive.normal;
+    };
+    const double along = random.uniform(-1.0, 1.0) * half, any = random.uniform(-3.1, 3.1);
+    switch (pairing / 12) {
+      case 0:  // near a point of it
+        point = at(along, c, 0) + small * random.direction();
+        break;
+      case 1:  // on the axis
+        point = at(0, 0, c * random.uniform(-2.0, 2.0));
+        break;
+      case 2:  // all but on the axis
+        point = at(any, small, c * random.uniform(-2.0, 2.0));
+        break;
+      case 3:  // on the circle beyond an end
+        point = at(half + random.uniform() * (std::numbers::pi - half), c, 0);
+        break;
+      case 4:  // in the plane
+        point = at(any, c * random.uniform(0.0, 3.0), 0);
+        break;
+      case 5:  // close to an end
+        point = at(half, c, 0) + small * random.direction();
+        break;
+      case 6:  // opposite
+        point = at(std::numbers::pi, c * random.uniform(0.5, 1.5), small);
+        break;
+      case 7:  // within the size of a short arc
+        point = at(along, c, 0) + (c * half * power_of_ten(random, -3, 1)) * random.direction();
+        break;
+      default:
+        point = primitive.center + (c * power_of_ten(random, 0, 5)) * random.direction();
+    }
+    scale = std::max(norm(point - primitive.center), c);
+    const double d = distance(primitive, point);
+    per_width = power_of_ten(random, -3, 1.5) / std::max(std::min(d, c), 1e-6 * c);
+  }
+};
 
 }  // namespace cs2mesh::cases

@@ -22,8 +22,7 @@
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
 #include "tests/unit/integral/cases.h"
-#include "tests/unit/integral/wide.h"
-#include "tests/unit/simd/every_isa.h"
+#include "tests/unit/integral/exactness.h"
 
 namespace cs2mesh {
 namespace {
@@ -32,39 +31,15 @@ using cases::ArcCase;
 using cases::SegmentCase;
 using cases::TriangleCase;
 
-constexpr double kLimit = 16.0;
 constexpr int kConfigurations = 600;
 
-struct Worst {
-  double value = 0.0, gradient = 0.0;
-
-  void include(const Jet& jet, const reference::Exact& exact) {
-    const reference::BackwardError error = reference::backward_error(jet, exact);
-    EXPECT_LE(error.value, kLimit);
-    EXPECT_LE(error.gradient, kLimit);
-    value = std::max(value, error.value);
-    gradient = std::max(gradient, error.gradient);
-  }
-};
-
-/// One point at a time, and in packs with every instruction set.
 template <class Case, class MakeKernel>
 void expect_exact(const char* name, const MakeKernel& make_kernel) {
-  Worst plain, packed;
-  for (int i = 0; i < kConfigurations; ++i) {
-    Random random(7, static_cast<std::uint64_t>(i));
-    Case sample(random);
-    const auto kernel = make_kernel(sample);
-    const reference::Exact exact =
-        wide::exact_field(kernel, sample.primitive, sample.point, sample.scale, sample.condition);
-    SCOPED_TRACE(std::string(name) + ", configuration " + std::to_string(i));
-    plain.include(integral(kernel, sample.primitive, sample.point), exact);
-    const Term term = testing::plain_term(kernel, sample.primitive);
-    testing::with_every_isa(
-        [&](Isa) { packed.include(testing::accumulated(term, sample.point), exact); });
-  }
-  std::printf("%s: worst value %.2f, gradient %.2f ulp; in packs %.2f, %.2f\n", name, plain.value,
-              plain.gradient, packed.value, packed.gradient);
+  wide::expect_exact_for<Case>(name, kConfigurations, make_kernel,
+                               [](const auto& kernel, const auto& sample) {
+                                 return wide::exact_field(kernel, sample.primitive, sample.point,
+                                                          sample.scale, sample.condition);
+                               });
 }
 
 TEST(ClosedForm, CauchySegmentIsExactForInputsMovedByAFewUlp) {

@@ -17,19 +17,19 @@ namespace cs2mesh::wide {
 /// switch their form.
 using Wide = boost::multiprecision::cpp_bin_float_100;
 
-/// Value, gradient and |Hessian| at `point`, the last by differences of the gradient.
-template <class Kernel, class Primitive>
-reference::Exact exact_field(const Kernel& kernel, const Primitive& primitive, const Vec3d& point,
-                             double scale, double condition) {
-  const Vec3<Wide> p(point);
-  const JetOf<Wide> jet = integral(kernel, primitive, p);
-  const Wide step = Wide(scale) * Wide("1e-35");
-  Wide hessian = 0;
+/// Value, gradient and |Hessian| at `point` of field(p), p and the jet in numbers T; the last by
+/// differences of the gradient over `step` times the scale.
+template <class T, class Field>
+reference::Exact exact_of(const Field& field, const Vec3d& point, double scale, double condition,
+                          const T& step_per_scale) {
+  const Vec3<T> p(point);
+  const JetOf<T> jet = field(p);
+  const T step = T(scale) * step_per_scale;
+  T hessian = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Vec3<Wide> moved = p;
+    Vec3<T> moved = p;
     moved[axis] += step;
-    hessian += squared_norm(
-        Vec3<Wide>((integral(kernel, primitive, moved).gradient - jet.gradient) / step));
+    hessian += squared_norm(Vec3<T>((field(moved).gradient - jet.gradient) / step));
   }
   reference::Exact exact;
   exact.value = static_cast<long double>(jet.value);
@@ -40,6 +40,14 @@ reference::Exact exact_field(const Kernel& kernel, const Primitive& primitive, c
   exact.scale = scale;
   exact.condition = condition;
   return exact;
+}
+
+/// The same of a closed form.
+template <class Kernel, class Primitive>
+reference::Exact exact_field(const Kernel& kernel, const Primitive& primitive, const Vec3d& point,
+                             double scale, double condition) {
+  return exact_of<Wide>([&](const Vec3<Wide>& p) { return integral(kernel, primitive, p); }, point,
+                        scale, condition, Wide("1e-35"));
 }
 
 /// The greatest difference of the gradient and central differences of the value, relative to the
