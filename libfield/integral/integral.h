@@ -7,8 +7,8 @@
 //  inverse   closed       closed              quadrature      quadrature          divergent
 //  squared   closed       closed              quadrature      quadrature          divergent
 //  metaball  closed       closed              quadrature      quadrature          closed
-//  soft      closed       closed              nodes (exact)   quadrature          closed
-//  quartic   closed       closed              nodes (exact)   quadrature          closed
+//  soft      closed       closed              nodes (exact)   closed              closed
+//  quartic   closed       closed              nodes (exact)   closed              closed
 //
 // To add a closed form: its file, its #include here, its word in this table.
 #pragma once
@@ -23,6 +23,7 @@
 #include "libfield/integral/quadrature.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
+#include "libfield/integral/support_triangle.h"
 
 namespace cs2mesh {
 
@@ -34,7 +35,7 @@ inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plan
 template <class K, class P>
 inline constexpr bool kNeedsQuadrature =
     !std::is_same_v<K, Cauchy> &&
-    ((std::is_same_v<P, Arc> && !detail::kIsPolynomial<K>) || std::is_same_v<P, Triangle>);
+    !detail::kIsPolynomial<K> && (std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>);
 
 /// Pairs without a closed form, in double alone.
 template <class K, class P>
