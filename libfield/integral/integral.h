@@ -4,9 +4,9 @@
 //            point        segment             arc             triangle            plane
 //  cauchy    closed       closed              closed          closed              closed
 //  gaussian  closed       closed              quadrature      quadrature          closed
-//  inverse   closed       closed              quadrature      quadrature          divergent
-//  squared   closed       closed              quadrature      quadrature          divergent
-//  metaball  closed       closed              quadrature      quadrature          closed
+//  inverse   closed       closed              quadrature      closed              divergent
+//  squared   closed       closed              quadrature      edges               divergent
+//  metaball  closed       closed              quadrature      closed              closed
 //  soft      closed       closed              nodes (exact)   closed              closed
 //  quartic   closed       closed              nodes (exact)   closed              closed
 //
@@ -18,9 +18,12 @@
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/inverse_triangle.h"
+#include "libfield/integral/metaball_triangle.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/point.h"
 #include "libfield/integral/quadrature.h"
+#include "libfield/integral/squared_triangle.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
 #include "libfield/integral/support_triangle.h"
@@ -34,8 +37,8 @@ inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plan
 /// Whether quadrature stands in for a closed form; the table above as code.
 template <class K, class P>
 inline constexpr bool kNeedsQuadrature =
-    !std::is_same_v<K, Cauchy> &&
-    !detail::kIsPolynomial<K> && (std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>);
+    (std::is_same_v<P, Arc> && !std::is_same_v<K, Cauchy> && !detail::kIsPolynomial<K>) ||
+    (std::is_same_v<P, Triangle> && std::is_same_v<K, Gaussian>);
 
 /// Pairs without a closed form, in double alone.
 template <class K, class P>

@@ -22,7 +22,10 @@
 //    below 1e-15 (k = 3), and so with 8 from reach 12 on. The field of such a cap falls so
 //    steeply that rounding of the inputs does as much from there on;
 //  - else an edge as long as half its distance carries the field, and the terms exceed it little.
-// Slivers lose (longest edge) / (smallest height) as their frame does. Value and gradient are
+// Rounding moves the edges apart by eps l, l the distance of the farthest vertex, which changes f by
+// eps l sum int h dt. Where that is more than rounding the inputs does, eps (kappa f + |grad f| l),
+// kappa the longest edge over the smallest height, as in slivers far smaller than the support and
+// across its edge, quadrature takes over. Value and gradient are
 // within a few ulp of the exact result for inputs moved by a few ulp. 0 outside the support; finite
 // for every finite p.
 #pragma once
@@ -30,11 +33,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <type_traits>
 
 #include "libfield/base/jet.h"
 #include "libfield/integral/support_segment.h"
 #include "libfield/integral/triangle_place.h"
+#include "libfield/integral/triangle_trial.h"
 #include "libfield/kernel/quartic.h"
 #include "libfield/kernel/soft.h"
 
@@ -80,11 +83,7 @@ struct EdgePart {
   MaskOf<T> from_afar() const { return sums > gap; }
 };
 
-/// G(v), and the divided differences of G and h.
-template <class T>
-struct SupportSums {
-  T g, g_slope, h_slope;
-};
+/// G(v) = int_0^v h.
 template <class T>
 T sum_of(const Quartic&, const T& v) {
   return v * v * v * T(1.0 / 3.0);
@@ -111,7 +110,7 @@ Differences<T> differences(const Soft&, const T& w, const T& v) {
 }
 
 template <class K, class T>
-EdgeTerms<T> edge_terms(const K& kernel, const EdgePart<T>& part, const T& w) {
+EdgeTerms<T> edge_terms(const K& kernel, const EdgePart<T>& part, const T& /*z*/, const T& w) {
   using std::max;
   constexpr const UnitRule<4>& rule = kUnitRule<4>;
   EdgeTerms<T> sum;
@@ -129,6 +128,12 @@ EdgeTerms<T> edge_terms(const K& kernel, const EdgePart<T>& part, const T& w) {
           lever * sum.normal + part.theta * law(kernel, w).h, part.span * sum.line};
 }
 
+/// What h is a polynomial of, as a function of v.
+template <class K, class T>
+T height_of(const K&, const T& v) {
+  return v;
+}
+
 /// Value and normal with the angles of whole edges left out.
 template <std::size_t N, class K, class T>
 EdgeTerms<T> edge_terms_from_afar(const K& kernel, const EdgePart<T>& part) {
@@ -140,8 +145,9 @@ EdgeTerms<T> edge_terms_from_afar(const K& kernel, const EdgePart<T>& part) {
     const T t = part.from + part.span * T(rule.node[i]);
     const T v = max(T(0), T((part.tau - t) * (part.tau + t)));
     const T weight = T(rule.weight[i]) / max(T(e2 + t * t), T(1e-300));
-    sum.value += weight * sum_of(kernel, v);
-    sum.normal += weight * law(kernel, v).h;
+    const T height = height_of(kernel, v);
+    sum.value += weight * sum_of(kernel, height);
+    sum.normal += weight * law(kernel, height).h;
   }
   const T lever = part.e * part.span;
   return {T(-0.5) * lever * sum.value, -lever * sum.normal, {}};
@@ -169,9 +175,19 @@ void see_from_afar(const K& kernel, const std::array<EdgePart<T>, 3>& part,
   }
 }
 
-/// The kernel of support 1 and amplitude 1, by the edges.
+/// A kernel of support 1 and amplitude 1, by the edges.
+template <class T>
+struct SupportSum {
+  JetOf<T> jet{};
+  T lines{};  ///< sum int h dt
+
+  friend SupportSum select(const MaskOf<T>& mask, const SupportSum& yes, const SupportSum& no) {
+    return {select(mask, yes.jet, no.jet), select(mask, yes.lines, no.lines)};
+  }
+};
+
 template <class K, class T>
-JetOf<T> support_edges(const K& kernel, const TriangleFrame<T>& triangle,
+SupportSum<T> support_edges(const K& kernel, const TriangleFrame<T>& triangle,
                        const TrianglePlace<T>& at, const T& scale) {
   using std::abs;
   using std::max;
@@ -181,20 +197,33 @@ JetOf<T> support_edges(const K& kernel, const TriangleFrame<T>& triangle,
   };
   const std::array<EdgePart<T>, 3> part{part_of(0), part_of(1), part_of(2)};
   std::array<EdgeTerms<T>, 3> terms;
-  for (std::size_t i = 0; i < 3; ++i) terms[i] = edge_terms(kernel, part[i], w);
+  for (std::size_t i = 0; i < 3; ++i) terms[i] = edge_terms(kernel, part[i], at.z, w);
   see_from_afar(kernel, part, MaskOf<T>(!at.over), terms);
   JetOf<T> jet;
-  T normal(0);
+  T normal(0), lines(0);
   MaskOf<T> reached = at.over;
   for (std::size_t i = 0; i < 3; ++i) {
     reached = reached | (part[i].span > T(0));
     jet.value += terms[i].value;
     normal += terms[i].normal;
+    lines += terms[i].line;
     jet.gradient -= terms[i].line * triangle.edge[i].outward;
   }
   jet.gradient -= (at.z * normal) * triangle.normal;
   // Beside a disc that meets no edge, angles that add up to 0 are left.
-  return select(reached, jet, JetOf<T>{});
+  return {select(reached, jet, JetOf<T>{}), lines};
+}
+
+/// Whether edges as far apart as rounding moves them change the value little; lengths in units of
+/// 1 / scale.
+template <class T>
+MaskOf<T> edges_hold(const SupportSum<T>& sum, const TriangleFrame<T>& triangle,
+                     const TrianglePlace<T>& at) {
+  using std::sqrt;
+  const T l = sqrt(at.farthest);
+  const T allowed = (triangle.edge[0].length / triangle.height) * sum.jet.value +
+                    sqrt(squared_norm(sum.jet.gradient)) * l;
+  return l * sum.lines <= T(4) * allowed;
 }
 
 /// Whether the ball of radius 1 about p can reach the triangle: necessary, not sufficient.
@@ -206,39 +235,43 @@ MaskOf<T> reached_by_unit(const TrianglePlace<T>& at) {
   return reached;
 }
 
-template <class K, class T>
-JetOf<T> support_triangle(const K& kernel, const TriangleFrame<T>& triangle,
-                          const Vec3<T>& point) {
-  using std::max;
-  const T scale(1.0 / kernel.radius);
-  const TrianglePlace<T> at(triangle, point, scale);
-  const MaskOf<T> reached = at.near & (triangle.height > T(0)) & reached_by_unit(at);
-  if (!any(reached)) return {};
-  FirstOf<T, JetOf<T>> jets(reached);
-  jets.take(at.farthest < T(1), [&] {
-    return triangle_nodes<4>(triangle, at.d, scale,
-                             [&](const T& u) { return law(kernel, T(T(1) - u)); });
-  });
-  const JetOf<T> jet =
-      jets.otherwise([&] { return support_edges(kernel, triangle, at, scale); });
-  const T amplitude(kernel.amplitude), radius(kernel.radius);
-  const JetOf<T> sized{(amplitude * radius * radius) * jet.value,
-                       (amplitude * radius) * jet.gradient};
-  return select(reached, sized, JetOf<T>{});
-}
-
 }  // namespace detail
 
-/// Value and gradient; see the head of this file.
+/// The integral, and where it keeps its digits.
 template <class K, class T>
-requires(std::is_same_v<K, Soft> || std::is_same_v<K, Quartic>) JetOf<T> integral(
-    const K& kernel, const TriangleFrame<T>& triangle, const Vec3<T>& point) {
-  return detail::support_triangle(kernel, triangle, point);
+requires detail::kIsPolynomial<K> TriangleTrial<T> triangle_trial(const K& kernel,
+                                                          const TriangleFrame<T>& triangle,
+                                                          const Vec3<T>& point) {
+  const T scale(1.0 / kernel.radius);
+  const TrianglePlace<T> at(triangle, point, scale);
+  const MaskOf<T> reached = at.near & (triangle.height > T(0)) & detail::reached_by_unit(at);
+  if (!any(reached)) return {};
+  FirstOf<T, detail::SupportSum<T>> sums(reached);
+  sums.take(at.farthest < T(1), [&] {
+    return detail::SupportSum<T>{detail::triangle_nodes<4>(triangle, at.d, scale, [&](const T& u) {
+      return detail::law(kernel, T(T(1) - u));
+    })};
+  });
+  const detail::SupportSum<T> sum =
+      sums.otherwise([&] { return detail::support_edges(kernel, triangle, at, scale); });
+  const T amplitude(kernel.amplitude), radius(kernel.radius);
+  const JetOf<T> jet{(amplitude * radius * radius) * sum.jet.value,
+                     (amplitude * radius) * sum.jet.gradient};
+  const MaskOf<T> good(MaskOf<T>(!reached) | detail::edges_hold(sum, triangle, at));
+  return {select(reached, jet, JetOf<T>{}), good};
 }
-template <class K, class T>
-requires(std::is_same_v<K, Soft> || std::is_same_v<K, Quartic>) JetOf<T> integral(
-    const K& kernel, const Triangle& triangle, const Vec3<T>& point) {
-  return integral(kernel, TriangleFrame<T>(triangle), point);
+
+/// Value and gradient; see the head of this file.
+template <class K>
+requires detail::kIsPolynomial<K> Jet integral(const K& kernel,
+                                               const TriangleFrame<double>& triangle,
+                                               const Vec3d& point) {
+  return detail::tried_triangle(kernel, triangle, point);
+}
+template <class K>
+requires detail::kIsPolynomial<K> Jet integral(const K& kernel, const Triangle& triangle,
+                                               const Vec3d& point) {
+  return integral(kernel, TriangleFrame<double>(triangle), point);
 }
 
 }  // namespace cs2mesh
