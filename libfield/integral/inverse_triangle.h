@@ -1,11 +1,13 @@
 // The kernel 1 / r over a flat triangle:
 //     f = sum e J - |z| Omega,   grad f = -sum o J - n sign(z) Omega,
-//     Omega = 2 atan2(2 area |z|, r0 r1 r2 + (d0 d1) r2 + (d1 d2) r0 + (d2 d0) r1),
-// Omega the solid angle of the triangle (Van Oosterom and Strackee 1983).
+//     Omega = sum [atan2(e t, c^2 + |z| r)] from t1 to t2,
+// sums over the edges, Omega the solid angle of the triangle. (One arctangent of triple products,
+// as Van Oosterom and Strackee 1983 have it, loses thin triangles.)
 //
-// Legend: z height of p over the plane along the unit normal n; d the vectors from the vertices to
-// p, r their lengths; of an edge, o the outward unit normal in the plane, e the distance of p's
-// foot from it (> 0 on the inner side), J = int dt / r along it (inverse_segment.h).
+// Legend: z height of p over the plane along the unit normal n; of an edge, o the outward unit
+// normal in the plane, e the distance of p's foot from it (> 0 on the inner side), c that of p, t
+// the abscissa along it from the foot, t1 and t2 its ends, r the distance to p, J = int dt / r
+// along it (inverse_segment.h).
 //
 // Seen from afar the sums cancel. Gauss-Legendre nodes, all of one sign, take over: 4 x 4, 6 x 6 or
 // 8 x 8, whose reach is twice the distance over the longest edge at least, errors (2 reach)^-2N:
@@ -92,15 +94,21 @@ std::array<T, 3> inverse_lines(const K& kernel, const TriangleFrame<T>& triangle
   return lines;
 }
 
+/// [atan2(e t, c^2 + |z| r)] from t1 to t2, which an edge adds to the solid angle, as one angle; r1
+/// and r2 not 0.
 template <class T>
-T solid_angle(const TriangleFrame<T>& triangle, const TrianglePlace<T>& at,
-              const std::array<T, 3>& r) {
+T solid_angle(const EdgePlace<T>& at, const T& length, const T& z, const T& r1, const T& r2) {
   using std::abs;
-  const auto& d = at.d;
-  const T y = triangle.edge[0].length * triangle.height * abs(at.z);
-  const T x = r[0] * r[1] * r[2] + dot(d[0], d[1]) * r[2] + dot(d[1], d[2]) * r[0] +
-              dot(d[2], d[0]) * r[1];
-  return T(2) * vmath::atan2(y, x);
+  const T up = abs(z), c2 = at.e * at.e + z * z;
+  const T w1 = T(1) / r1, w2 = T(1) / r2;
+  const T x1 = (c2 * w1 + up) * w1, x2 = (c2 * w2 + up) * w2;
+  const T y1 = at.e * w1 * (at.t1 * w1), y2 = at.e * w2 * (at.t2 * w2);
+  // r1 t2 - r2 t1 without a difference.
+  const T far = abs(at.t2) * r1 + abs(at.t1) * r2;
+  const auto between = MaskOf<T>((at.t1 > T(0)) ^ (at.t2 > T(0)));
+  const T turn = select(between, far, T(c2 * (length * abs(at.t1 + at.t2)) / far));
+  const T sine = at.e * (w1 * w2) * ((c2 * length + up * turn) * (w1 * w2));
+  return vmath::atan2(sine, T(x1 * x2 + y1 * y2));
 }
 
 template <class T>
@@ -111,17 +119,19 @@ TriangleTrial<T> inverse_edges(const Inverse& kernel, const TriangleFrame<T>& tr
   using std::sqrt;
   const std::array<T, 3> r{sqrt(at.u[0]), sqrt(at.u[1]), sqrt(at.u[2])};
   const std::array<T, 3> lines = inverse_lines(kernel, triangle, at, r);
-  const T omega = solid_angle(triangle, at, r);
   TriangleTrial<T> trial;
-  EdgeSizes<T> size{abs(at.z) * omega, omega};
+  EdgeSizes<T> size;
+  T omega(0);
   for (std::size_t i = 0; i < 3; ++i) {
-    const T term = at.edge[i].e * lines[i];
+    const T& length = triangle.edge[i].length;
+    const T angle = solid_angle(at.edge[i], length, at.z, r[i], r[(i + 1) % 3]);
+    const T term = at.edge[i].e * lines[i] - abs(at.z) * angle;
+    omega += angle;
     trial.jet.value += term;
     trial.jet.gradient -= lines[i] * triangle.edge[i].outward;
     size.value += abs(term);
-    size.gradient += lines[i];
+    size.gradient += lines[i] + abs(angle);
   }
-  trial.jet.value -= abs(at.z) * omega;
   trial.jet.gradient -= copysign(omega, at.z) * triangle.normal;
   const T bend = trial.jet.value / at.farthest;
   trial.good = sums_hold(trial.jet, size, bend, distance.farthest);
