@@ -3,7 +3,7 @@
 //
 //            point        segment             arc             triangle            plane
 //  cauchy    closed       closed              closed          closed              closed
-//  gaussian  closed       closed              quadrature      quadrature          closed
+//  gaussian  closed       closed              quadrature      edges               closed
 //  inverse   closed       closed              quadrature      closed              divergent
 //  squared   closed       closed              quadrature      edges               divergent
 //  metaball  closed       closed              quadrature      closed              closed
@@ -17,6 +17,7 @@
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/gaussian_triangle.h"
 #include "libfield/integral/inverse_segment.h"
 #include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_triangle.h"
@@ -37,8 +38,7 @@ inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plan
 /// Whether quadrature stands in for a closed form; the table above as code.
 template <class K, class P>
 inline constexpr bool kNeedsQuadrature =
-    (std::is_same_v<P, Arc> && !std::is_same_v<K, Cauchy> && !detail::kIsPolynomial<K>) ||
-    (std::is_same_v<P, Triangle> && std::is_same_v<K, Gaussian>);
+    std::is_same_v<P, Arc> && !std::is_same_v<K, Cauchy> && !detail::kIsPolynomial<K>;
 
 /// Pairs without a closed form, in double alone.
 template <class K, class P>
