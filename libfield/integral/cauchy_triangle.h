@@ -189,7 +189,7 @@ struct CauchyTrial {
 
 template <class T>
 CauchyTrial<T> cauchy_triangle_closed(const T& s, const TriangleFrame<T>& triangle,
-                                        const Vec3<T>& point) {
+                                      const Vec3<T>& point) {
   using std::abs;
   using std::max;
   std::array<Vec3<T>, 3> d;

@@ -15,8 +15,8 @@
 //    q < 40, theta is the rest.
 //  - Farther out the second, over what lies within exp(-41) of the field's greatest value; panels
 //    keep 2.2 times their length from the poles t = +-i e (gauss_legendre.h).
-//    As a panel is no longer than 2 / a and the exponent changes by 8 along it at most, 14 nodes err
-//    by 1e-18 (quadrature.h): some 5 panels a side of the foot at most in either.
+//    As a panel is no longer than 2 / a and the exponent changes by 8 along it at most, 14 nodes
+//    err by 1e-18 (quadrature.h): some 5 panels a side of the foot at most in either.
 //  - Along an interval of length 1 on which the exponent is -(w x + b x^2 + const), |exp| on the
 //    ellipse of half axes' sum rho / 2 (gauss_legendre.h) exceeds its greatest value there by
 //    exp(w rho / 4 + b rho^2 / 16) at most, so N nodes err by rho^-2N times that: with rho = 320,
@@ -124,12 +124,10 @@ inline TriangleTrial<double> gaussian_edges(const Gaussian& kernel,
   for (std::size_t i = 0; i < 3; ++i) {
     const EdgePlace<double>& edge = at.edge[i];
     const double length = triangle.edge[i].length;
-    const double term =
-        edge.e == 0.0
-            ? 0.0
-            : scale * (near ? gaussian_near(a, edge, length) : gaussian_beside(a, edge, length, x0));
-    const double line =
-        gaussian_line(kernel, edge.t1, edge.t2, length, edge.e * edge.e + z2).value;
+    const double term = edge.e == 0.0 ? 0.0
+                                      : scale * (near ? gaussian_near(a, edge, length)
+                                                      : gaussian_beside(a, edge, length, x0));
+    const double line = gaussian_line(kernel, edge.t1, edge.t2, length, edge.e * edge.e + z2).value;
     trial.jet.value += term;
     trial.jet.gradient -= line * triangle.edge[i].outward;
     size.value += std::abs(term);

@@ -87,8 +87,9 @@ std::array<T, 3> inverse_lines(const K& kernel, const TriangleFrame<T>& triangle
   std::array<T, 3> lines;
   for (std::size_t i = 0; i < 3; ++i) {
     const EdgePlace<T>& edge = at.edge[i];
-    const InversePlace<T> place{edge.t1, edge.t2, triangle.edge[i].length,
-                                edge.e * edge.e + at.z * at.z, r[i], r[(i + 1) % 3]};
+    const InversePlace<T> place{
+        edge.t1, edge.t2,       triangle.edge[i].length, edge.e * edge.e + at.z * at.z,
+        r[i],    r[(i + 1) % 3]};
     lines[i] = inverse_line(kernel, place).value;
   }
   return lines;
@@ -145,14 +146,11 @@ TriangleTrial<T> afar_or(const K& kernel, const TriangleFrame<T>& triangle,
                          const Edges& edges) {
   const auto law_of = [&](const T& u) { return node_law(kernel, u); };
   FirstOf<T, TriangleTrial<T>> trials;
-  const bool done =
-      trials.take(distance.beyond(kReach4, triangle),
-                  [&] {
-                    return TriangleTrial<T>{triangle_nodes<4>(triangle, at.d, T(1), law_of)};
-                  }) ||
-      trials.take(distance.beyond(kReach6, triangle), [&] {
-        return TriangleTrial<T>{triangle_nodes<6>(triangle, at.d, T(1), law_of)};
-      });
+  const bool done = trials.take(distance.beyond(kReach4, triangle), [&] {
+    return TriangleTrial<T>{triangle_nodes<4>(triangle, at.d, T(1), law_of)};
+  }) || trials.take(distance.beyond(kReach6, triangle), [&] {
+    return TriangleTrial<T>{triangle_nodes<6>(triangle, at.d, T(1), law_of)};
+  });
   if (done) return trials.result();
   const TriangleTrial<T> trial = trials.otherwise(edges);
   const MaskOf<T> again(MaskOf<T>(!trial.good) & distance.beyond(kReach8, triangle));
@@ -173,8 +171,8 @@ TriangleTrial<T> triangle_trial(const Inverse& kernel, const TriangleFrame<T>& t
   TriangleTrial<T> trial = detail::afar_or(kernel, triangle, at, distance, [&] {
     return detail::inverse_edges(kernel, triangle, at, distance);
   });
-  trial.good = MaskOf<T>(!near) |
-               (trial.good & MaskOf<T>(!detail::may_be_clamped(kernel, triangle, at)));
+  trial.good =
+      MaskOf<T>(!near) | (trial.good & MaskOf<T>(!detail::may_be_clamped(kernel, triangle, at)));
   trial.jet = select(near, T(kernel.amplitude) * trial.jet, JetOf<T>{});
   return trial;
 }

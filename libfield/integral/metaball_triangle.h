@@ -14,7 +14,8 @@
 //        J = e int dt / (r + |z|) = e Lambda - |z| [atan2(e t, c^2 + |z| r)],
 //        e int D_G = e l - (4/3) (e I_r + z^2 J) + (1/2) e (I_u + z^2 l),   e int D_h = 2J - e l,
 //        int m^2 = l - 2 I_r + I_u,
-//        I_r = int r = (l2 s2 - l1 s1 + c^2 Lambda) / 2,   I_u = int r^2 = c^2 l + (l2^3 - l1^3) / 3.
+//        I_r = int r = (l2 s2 - l1 s1 + c^2 Lambda) / 2,   I_u = int r^2 = c^2 l + (l2^3 - l1^3)
+//        / 3.
 //    Their terms exceed the result by (s1 + s2)^2 / l^2 and some at most.
 //  - Within R / 3 the kernel is 1 - 3 r^2 / R^2: the triangle's vertices there, 2 x 2 nodes are
 //    exact (as both cones are singular at r = 0, their difference would cancel).
@@ -73,8 +74,8 @@ EdgeTerms<T> cone_nodes(const EdgePart<T>& part, const T& z) {
     const T m = max(T(0), T((part.tau - t) * (part.tau + t) * one.of_a));
     const T squares = mz * mz + m * m, total = mz + m;
     const T weight(rule.weight[i]);
-    sum.value += weight * one.of_b *
-                 (T(2.0 / 3.0) * (squares + mz * m) - T(0.5) * (total * squares));
+    sum.value +=
+        weight * one.of_b * (T(2.0 / 3.0) * (squares + mz * m) - T(0.5) * (total * squares));
     sum.normal += weight * one.of_b * total;
     sum.line += weight * (m * m);
   }
@@ -136,10 +137,9 @@ SupportSum<T> cone_triangle(const T& radius, const T& share, const TriangleFrame
   if (!any(reached)) return {};
   FirstOf<T, SupportSum<T>> sums(reached);
   const auto small = T(20) * (scale * triangle.edge[0].length) < T(1);
-  sums.take(both(at.farthest < T(1), at.farthest > T(1.0 / 9.0), small), [&] {
-    return SupportSum<T>{triangle_nodes<6>(triangle, at.d, scale, [](const T& u) {
-      return law(Cone{}, T(T(1) - sqrt(u)));
-    })};
+  sums.take(both(at.farthest<T(1), at.farthest> T(1.0 / 9.0), small), [&] {
+    return SupportSum<T>{triangle_nodes<6>(
+        triangle, at.d, scale, [](const T& u) { return law(Cone{}, T(T(1) - sqrt(u))); })};
   });
   const SupportSum<T> sum =
       sums.otherwise([&] { return support_edges(Cone{}, triangle, at, scale); });

@@ -22,12 +22,11 @@
 //    below 1e-15 (k = 3), and so with 8 from reach 12 on. The field of such a cap falls so
 //    steeply that rounding of the inputs does as much from there on;
 //  - else an edge as long as half its distance carries the field, and the terms exceed it little.
-// Rounding moves the edges apart by eps l, l the distance of the farthest vertex, which changes f by
-// eps l sum int h dt. Where that is more than rounding the inputs does, eps (kappa f + |grad f| l),
-// kappa the longest edge over the smallest height, as in slivers far smaller than the support and
-// across its edge, quadrature takes over. Value and gradient are
-// within a few ulp of the exact result for inputs moved by a few ulp. 0 outside the support; finite
-// for every finite p.
+// Rounding moves the edges apart by eps l, l the distance of the farthest vertex, which changes f
+// by eps l sum int h dt. Where that is more than rounding the inputs does, eps (kappa f + |grad f|
+// l), kappa the longest edge over the smallest height, as in slivers far smaller than the support
+// and across its edge, quadrature takes over. Value and gradient are within a few ulp of the exact
+// result for inputs moved by a few ulp. 0 outside the support; finite for every finite p.
 #pragma once
 
 #include <algorithm>
@@ -188,7 +187,7 @@ struct SupportSum {
 
 template <class K, class T>
 SupportSum<T> support_edges(const K& kernel, const TriangleFrame<T>& triangle,
-                       const TrianglePlace<T>& at, const T& scale) {
+                            const TrianglePlace<T>& at, const T& scale) {
   using std::abs;
   using std::max;
   const T w = max(T(0), T((T(1) - abs(at.z)) * (T(1) + abs(at.z))));
@@ -223,7 +222,7 @@ MaskOf<T> edges_hold(const SupportSum<T>& sum, const TriangleFrame<T>& triangle,
   const T l = sqrt(at.farthest);
   const T allowed = (triangle.edge[0].length / triangle.height) * sum.jet.value +
                     sqrt(squared_norm(sum.jet.gradient)) * l;
-  return l * sum.lines <= T(4) * allowed;
+  return l * sum.lines <= T(16) * allowed;
 }
 
 /// Whether the ball of radius 1 about p can reach the triangle: necessary, not sufficient.
@@ -240,17 +239,16 @@ MaskOf<T> reached_by_unit(const TrianglePlace<T>& at) {
 /// The integral, and where it keeps its digits.
 template <class K, class T>
 requires detail::kIsPolynomial<K> TriangleTrial<T> triangle_trial(const K& kernel,
-                                                          const TriangleFrame<T>& triangle,
-                                                          const Vec3<T>& point) {
+                                                                  const TriangleFrame<T>& triangle,
+                                                                  const Vec3<T>& point) {
   const T scale(1.0 / kernel.radius);
   const TrianglePlace<T> at(triangle, point, scale);
   const MaskOf<T> reached = at.near & (triangle.height > T(0)) & detail::reached_by_unit(at);
   if (!any(reached)) return {};
   FirstOf<T, detail::SupportSum<T>> sums(reached);
   sums.take(at.farthest < T(1), [&] {
-    return detail::SupportSum<T>{detail::triangle_nodes<4>(triangle, at.d, scale, [&](const T& u) {
-      return detail::law(kernel, T(T(1) - u));
-    })};
+    return detail::SupportSum<T>{detail::triangle_nodes<4>(
+        triangle, at.d, scale, [&](const T& u) { return detail::law(kernel, T(T(1) - u)); })};
   });
   const detail::SupportSum<T> sum =
       sums.otherwise([&] { return detail::support_edges(kernel, triangle, at, scale); });

@@ -1,12 +1,13 @@
 // The fields of triangles in 50 digits, as a reference: Green's theorem turns them into integrals
-// along the edges, which Gauss-Legendre rules of 32 nodes take over panels graded towards the
+// along the edges, which Gauss-Legendre rules of 20 nodes take over panels graded towards the
 // singularities. Independent of the library's forms, which never evaluate these integrals.
 //
 // Legend: of an edge, e the distance from the foot of p in the plane (> 0 on the inner side), t the
 // abscissa along it; z the height of p over the plane; u = r^2 = z^2 + e^2 + t^2, H = int h du:
 //     f = (1/2) sum e int (H(u) - H0) / (e^2 + t^2) dt,    H0 = H(z^2),
 //     grad f = -sum o int h dt + n z sum e int (h(u) - h0) / (e^2 + t^2) dt,    h0 = h(z^2);
-// with the foot outside of the triangle H0 and h0 are free, as the edges' angles add up to 0.
+// with the foot outside of the triangle H0 and h0 are free, as the edges' angles add up to 0. For 1
+// / r there are antiderivatives.
 #pragma once
 
 #include <algorithm>
@@ -25,7 +26,7 @@ namespace cs2mesh::wide {
 using Fifty = boost::multiprecision::cpp_bin_float_50;
 
 struct WideRule {
-  static constexpr int kOrder = 32;
+  static constexpr int kOrder = 20;
   std::array<Fifty, kOrder> node, weight;  ///< on [0, 1]
 
   WideRule() {
@@ -81,25 +82,35 @@ WideLaw wide_law(const K& kernel, const Fifty& u) {
         if (9 * u > r2) {
           return {amplitude * 3 * m * m / 2, -amplitude * r2 * m * m * m * (4 - 3 * m) / 4};
         }
-        return {amplitude * (1 - 3 * y2),
-                amplitude * r2 * (y2 - 3 * y2 * y2 / 2 - Fifty(13) / 54)};
+        return {amplitude * (1 - 3 * y2), amplitude * r2 * (y2 - 3 * y2 * y2 / 2 - Fifty(13) / 54)};
       }
     }
   }
 }
 
+template <class K>
+inline constexpr bool kFinite = requires(const K& kernel) {
+  kernel.radius;
+};
+
+template <class K>
+inline constexpr bool kIsPolynomialLaw = std::is_same_v<K, Soft> || std::is_same_v<K, Quartic>;
+
 struct EdgeIntegrals {
   Fifty value = 0, normal = 0, line = 0;
+  bool within = false;  ///< part of it is within the support
 };
 
 template <class K>
 class EdgeSum {
  public:
   EdgeSum(const K& kernel, const Fifty& e, const Fifty& z2, bool outside)
-      : kernel_(kernel), e_(e), z2_(z2), base_(outside ? WideLaw{} : wide_law(kernel, z2)) {
+      : kernel_(kernel),
+        e_(e),
+        z2_(z2),
+        base_(outside && !kFinite<K> ? WideLaw{} : wide_law(kernel, z2)) {
     // Removable at e^2 + t^2 = 0 with H0 = H(z^2), if both are of one piece.
-    const bool pole = outside || std::is_same_v<K, Metaball>;
-    gap2_ = pole ? Fifty(e * e) : Fifty(e * e + z2);
+    gap2_ = outside ? Fifty(e * e) : Fifty(e * e + z2);
     if constexpr (std::is_same_v<K, Gaussian>) {
       if (!outside) gap2_ = (std::max)(gap2_, Fifty(1 / (Fifty(kernel.a) * kernel.a)));
     }
@@ -107,19 +118,49 @@ class EdgeSum {
 
   /// Adds the stretch 0 <= t1 <= t <= t2 of an edge.
   void add(const Fifty& t1, const Fifty& t2) {
-    if (t2 > t1) add_panel(t1, t2, t1, 0);
+    if (!(t2 > t1)) return;
+    if constexpr (kFinite<K>) {
+      const Fifty r2 = Fifty(kernel_.radius) * kernel_.radius;
+      const Fifty middle = (t1 + t2) / 2;
+      if (z2_ + e_ * e_ + middle * middle >= r2) {
+        const Fifty angle = atan2(Fifty(e_ * (t2 - t1)), Fifty(e_ * e_ + t1 * t2));
+        sum.value -= angle * base_.sum / 2;
+        sum.normal -= angle * base_.h;
+        return;
+      }
+      sum.within = true;
+      // Of one piece with H(z^2) or not.
+      const bool mixed = 9 * z2_ < r2 && 9 * (z2_ + e_ * e_ + middle * middle) > r2;
+      gap2_ = mixed ? Fifty(e_ * e_) : Fifty(e_ * e_ + z2_);
+    }
+    if constexpr (std::is_same_v<K, Inverse>) {
+      add_inverse(t1, t2);
+    } else {
+      add_panel(t1, t2, t1, 0);
+    }
   }
   EdgeIntegrals sum;
 
  private:
   bool must_split(const Fifty& a, const Fifty& b, const Fifty& nearest) const {
+    if (kIsPolynomialLaw<K>) return false;
     if (sqrt(Fifty(a * a + gap2_)) + sqrt(Fifty(b * b + gap2_)) < 2.2 * (b - a)) return true;
     if constexpr (std::is_same_v<K, Gaussian>) {
       const Fifty a2 = Fifty(kernel_.a) * kernel_.a;
-      const bool there = a2 * (a * a - nearest * nearest) < 100;
-      return there && (a2 * (b - a) * (b - a) > 2 || a2 * (b * b - a * a) > 8);
+      const bool there = a2 * (a * a - nearest * nearest) < 70;
+      return there && (a2 * (b - a) * (b - a) > 2 || a2 * (b * b - a * a) > 5);
     }
     return false;
+  }
+  void add_inverse(const Fifty& t1, const Fifty& t2) {
+    const Fifty c2 = e_ * e_ + z2_, z = sqrt(z2_);
+    const Fifty r1 = sqrt(Fifty(c2 + t1 * t1)), r2 = sqrt(Fifty(c2 + t2 * t2));
+    const Fifty line = log(Fifty((r2 + t2) / (r1 + t1)));
+    const Fifty angle =
+        atan2(Fifty(e_ * t2), Fifty(c2 + z * r2)) - atan2(Fifty(e_ * t1), Fifty(c2 + z * r1));
+    sum.line += Fifty(kernel_.amplitude) * line;
+    sum.value += Fifty(kernel_.amplitude) * (e_ * line - z * angle);
+    if (z > 0) sum.normal -= Fifty(kernel_.amplitude) * angle / z;
   }
   void add_panel(const Fifty& a, const Fifty& b, const Fifty& nearest, int depth) {
     if (depth < 150 && must_split(a, b, nearest)) {
@@ -162,6 +203,7 @@ JetOf<Fifty> triangle_field(const K& kernel, const Triangle& triangle, const Vec
   }
   JetOf<Fifty> jet;
   Fifty normal = 0;
+  bool within = !kFinite<K> || !outside;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& edge = frame.edge[i];
     const Fifty t1 = dot(frame.vertex[i] - p, edge.along);
@@ -170,7 +212,7 @@ JetOf<Fifty> triangle_field(const K& kernel, const Triangle& triangle, const Vec
     // Cut where a derivative of the kernel jumps, and at the foot.
     std::array<Fifty, 7> cut{t1, t2, Fifty(0)};
     std::size_t count = 3;
-    if constexpr (requires { kernel.radius; }) {
+    if constexpr (kFinite<K>) {
       for (const int part : {1, 3}) {
         const Fifty r = Fifty(kernel.radius) / part;
         const Fifty tau = sqrt((std::max)(Fifty(0), Fifty(r * r - z * z - e[i] * e[i])));
@@ -183,11 +225,14 @@ JetOf<Fifty> triangle_field(const K& kernel, const Triangle& triangle, const Vec
       if (a >= 0) edge_sum.add(a, b);
       if (b <= 0) edge_sum.add(-b, -a);
     }
+    within = within || edge_sum.sum.within;
     jet.value += edge_sum.sum.value;
     normal += z * edge_sum.sum.normal;
     jet.gradient -= edge_sum.sum.line * edge.outward;
   }
-  if constexpr (std::is_same_v<K, Gaussian>) normal = -2 * Fifty(kernel.a) * kernel.a * z * jet.value;
+  if (!within) return {};
+  if constexpr (std::is_same_v<K, Gaussian>)
+    normal = -2 * Fifty(kernel.a) * kernel.a * z * jet.value;
   jet.gradient += normal * frame.normal;
   return jet;
 }
