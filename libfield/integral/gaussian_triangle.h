@@ -44,9 +44,10 @@ namespace detail {
 
 inline constexpr double kNearEnd = 40.0;  ///< of the first form: exp(-40) = 4e-18
 
-/// Whether 14 nodes suffice for exp(-a^2 t^2) on [t, t + length], t >= 0.
+/// Whether 14 nodes suffice for exp(-a^2 t^2) on [t, t + length].
 inline bool smooth_gaussian(double a, double t, double length) {
-  return a * length <= kGaussianSpan && a * a * length * (2.0 * t + length) <= kGaussianChange;
+  const double change = a * a * length * std::abs(2.0 * t + length);
+  return a * length <= kGaussianSpan && change <= kGaussianChange;
 }
 
 template <class Decide, class Integrand>
@@ -71,20 +72,17 @@ inline double gaussian_near(double a, const EdgePlace<double>& at, double length
   const double to = std::max(std::min(tau, at.t2), at.t1);
   const bool whole = at.t1 >= -tau && at.t2 <= tau;
   const double theta = whole ? 0.0 : angle_of_stretches(at.e, at.t1, from, to, at.t2);
-  const Pieces pieces = pieces_of(from, to, whole ? length : to - from);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < pieces.count && pieces.piece[i].length > 0.0; ++i) {
-    const Piece& piece = pieces.piece[i];
-    sum += edge_integral(
-        piece,
-        [&](double o, double panel) {
-          return smooth_gaussian(a, piece.start + o, panel) ? Panel::take : Panel::split;
-        },
-        [&](double t) {
-          const double x = a2 * (e2 + t * t);
-          return x > 0.0 ? -vmath::expm1(-x) / x : 1.0;
-        });
-  }
+  const Piece piece{from, whole ? length : to - from, 1.0};
+  if (!(piece.length > 0.0)) return theta;
+  const double sum = edge_integral(
+      piece,
+      [&](double o, double panel) {
+        return smooth_gaussian(a, piece.start + o, panel) ? Panel::take : Panel::split;
+      },
+      [&](double t) {
+        const double x = a2 * (e2 + t * t);
+        return x > 0.0 ? -vmath::expm1(-x) / x : 1.0;
+      });
   return at.e * a2 * sum + theta;
 }
 

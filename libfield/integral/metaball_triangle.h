@@ -19,9 +19,11 @@
 //    Their terms exceed the result by (s1 + s2)^2 / l^2 and some at most.
 //  - Within R / 3 the kernel is 1 - 3 r^2 / R^2: the triangle's vertices there, 2 x 2 nodes are
 //    exact (as both cones are singular at r = 0, their difference would cancel).
-//  - A triangle shorter than R / 20 within the support is at least 0.28 R away, where it is not
-//    within R / 3: 6 x 6 nodes of the great cone, reach 11.3, error 22.6^-12 = 6e-17 of it. So the
-//    edges' terms, which are of the order of its length, never exceed the field 20 times over.
+//  - A triangle within R, not within R / 3, its longest edge L short against its distance: the
+//    distance is at least that of the farthest vertex less L, reach twice that over L (see
+//    inverse_triangle.h), and 6 x 6 nodes of the great cone err by (2 reach)^-12, 6e-17 from reach
+//    11.3 on, 8 x 8 by 2e-18 from 6.5 on. Longer ones have L > 0.078 R, and the edges' terms, which
+//    are of the order of L, exceed the field little.
 //
 // Value and gradient are within a few ulp of the exact result for inputs moved by a few ulp (the
 // gradient within some dozens, where the cones' parts of it cancel). 0 outside the support; finite
@@ -125,6 +127,8 @@ EdgeTerms<T> edge_terms(const Cone& cone, const EdgePart<T>& part, const T& z, c
   return sum;
 }
 
+inline constexpr double kConeReach6 = 11.3;
+
 /// A part of the metaball: `share` (1 - r / radius)^2; its lines are those of the triangle itself.
 template <class T>
 SupportSum<T> cone_triangle(const T& radius, const T& share, const TriangleFrame<T>& triangle,
@@ -136,11 +140,14 @@ SupportSum<T> cone_triangle(const T& radius, const T& share, const TriangleFrame
   const MaskOf<T> reached = reached_by_unit(at);
   if (!any(reached)) return {};
   FirstOf<T, SupportSum<T>> sums(reached);
-  const auto small = T(20) * (scale * triangle.edge[0].length) < T(1);
-  sums.take(both(at.farthest<T(1), at.farthest> T(1.0 / 9.0), small), [&] {
-    return SupportSum<T>{triangle_nodes<6>(
-        triangle, at.d, scale, [](const T& u) { return law(Cone{}, T(T(1) - sqrt(u))); })};
-  });
+  const auto within = both(at.farthest<T(1), T(9) * at.farthest> T(1));
+  const T longest = scale * triangle.edge[0].length;
+  const T reach = T(2) * (sqrt(at.farthest) - longest);  // times the longest edge
+  const auto cone_law = [](const T& u) { return law(Cone{}, T(T(1) - sqrt(u))); };
+  sums.take(within & (reach > T(kConeReach6) * longest),
+            [&] { return SupportSum<T>{triangle_nodes<6>(triangle, at.d, scale, cone_law)}; });
+  sums.take(within & (reach > T(kReach8) * longest),
+            [&] { return SupportSum<T>{triangle_nodes<8>(triangle, at.d, scale, cone_law)}; });
   const SupportSum<T> sum =
       sums.otherwise([&] { return support_edges(Cone{}, triangle, at, scale); });
   const SupportSum<T> sized{

@@ -30,10 +30,12 @@ namespace cs2mesh {
 namespace detail {
 
 /// Calls take(t, weight) at the nodes of panels along an edge, each at least kReach14 lengths from
-/// t = +-i gap; t is |t|.
+/// t = +-i gap.
 template <class Take>
 void visit_edge(const EdgePlace<double>& at, double length, double squared_gap, const Take& take) {
-  const Pieces pieces = pieces_of(at.t1, at.t2, length);
+  // From the foot on where offsets must keep their digits next to it, else in one piece.
+  Pieces pieces = pieces_of(at.t1, at.t2, length);
+  if (squared_gap > 0.01 * (length * length)) pieces = {{Piece{at.t1, length, 1.0}}, 1};
   for (std::size_t i = 0; i < pieces.count; ++i) {
     const Piece& piece = pieces.piece[i];
     const auto decide = [&](double o, double panel) {

@@ -222,7 +222,7 @@ MaskOf<T> edges_hold(const SupportSum<T>& sum, const TriangleFrame<T>& triangle,
   const T l = sqrt(at.farthest);
   const T allowed = (triangle.edge[0].length / triangle.height) * sum.jet.value +
                     sqrt(squared_norm(sum.jet.gradient)) * l;
-  return l * sum.lines <= T(16) * allowed;
+  return l * sum.lines <= T(10) * allowed;
 }
 
 /// Whether the ball of radius 1 about p can reach the triangle: necessary, not sufficient.

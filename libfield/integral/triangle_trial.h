@@ -36,7 +36,7 @@ template <class T>
 MaskOf<T> sums_hold(const JetOf<T>& jet, const EdgeSizes<T>& size, const T& curvature, const T& l) {
   using std::max;
   using std::sqrt;
-  constexpr double kGrowth = 24.0;
+  constexpr double kGrowth = 16.0;
   const T slope = sqrt(squared_norm(jet.gradient));
   const T bend = max(curvature, T(slope * (slope / jet.value)));
   return both(jet.value > T(0), T(kGrowth) * (jet.value + slope * l) > size.value,

@@ -115,7 +115,7 @@ bool has_closed_form(KernelKind kind, std::size_t shape) {
   const bool inverse = kind == KernelKind::inverse || kind == KernelKind::squared;
   if (shape == 4) return !inverse;
   const bool even = kind == KernelKind::soft || kind == KernelKind::quartic;
-  return shape < 2 || kind == KernelKind::cauchy || (shape == 2 && even);
+  return shape != 2 || kind == KernelKind::cauchy || even;
 }
 
 void print_row(KernelKind kind, std::size_t shape, const std::vector<Vec3d>& points,

@@ -186,9 +186,9 @@ TEST(TriangleForm, FiniteForEveryFinitePoint) {
       EXPECT_GE(jet.value, 0.0);
     }
   };
-  for (const double x : {0.0, 5e-324, 1e-160, 1e-8, 0.5, 1e8, 1e77, 1e100, 1e141, greatest}) {
-    for (const double y : {0.0, 1e-8, 0.3, 1e100}) {
-      for (const Vec3d& p : {Vec3d{x, y, 0}, Vec3d{-x, 0, y}, Vec3d{y, -x, -y}, Vec3d{0, x, -x}}) {
+  for (const double x : {0.0, 5e-324, 1e-160, 0.5, 1e8, 1e100, 1e141, greatest}) {
+    for (const double y : {0.0, 0.3, 1e100}) {
+      for (const Vec3d& p : {Vec3d{x, y, 0}, Vec3d{-x, 0, y}, Vec3d{y, -x, -y}}) {
         for (const double width : {1e-20, 1.0, 1e20}) {
           check(Soft{width}, p), check(Quartic{width}, p), check(Metaball{width}, p);
           check(Gaussian{width, 1e4}, p);
