@@ -191,9 +191,11 @@ reference::Exact exact_at(const K& kernel, const P& primitive, const Vec3d& p) {
   const double scale = scale_of(primitive, p), condition = condition_of(primitive);
   if constexpr (std::is_same_v<P, Triangle> && !std::is_same_v<K, Cauchy>) {
     if constexpr (requires { kernel.clamp; }) {
-      if (distance(primitive, p) < std::max(kernel.clamp, 1e-13 * size(primitive))) {
+      // Rounding moves the place at the cut-off distance by that share of the distance.
+      const double least = std::max(kernel.clamp, 1e-13 * size(primitive));
+      if (distance(primitive, p) < least) {
         const Jet jet = quadrature(kernel, primitive, p);
-        return {jet.value, {}, 0.0, scale, condition};
+        return {jet.value, {}, 0.0, scale, condition * std::max(1.0, scale / least)};
       }
     }
     return wide::exact_triangle(kernel, primitive, p, scale, condition);
