@@ -90,7 +90,7 @@ struct BulkPack {
     const TriangleFrame<T> lanes(frame);
     const T s(kernel.s), factor(kernel.amplitude);
     add_each(points, sums, count, [&](const Vec3<T>& p) {
-      const TriangleTrial<T> trial = cauchy_triangle_closed(s, lanes, p);
+      const CauchyTrial<T> trial = cauchy_triangle_closed(s, lanes, p);
       const T missed = select(trial.good, T(0), T(1));
       cs2mesh::add_to<N>(missed.first, left);
       cs2mesh::add_to<N>(missed.second, left + N);

@@ -181,15 +181,15 @@ MaskOf<T> well_conditioned(const JetOf<T>& jet, const T& value_size, const T& gr
 
 /// The closed form, and where it keeps its digits.
 template <class T>
-struct TriangleTrial {
+struct CauchyTrial {
   JetOf<T> jet;  ///< of the unit kernel; 0 too far away
   MaskOf<T> good;
   T z;  ///< height of p over the plane
 };
 
 template <class T>
-TriangleTrial<T> cauchy_triangle_closed(const T& s, const TriangleFrame<T>& triangle,
-                                        const Vec3<T>& point) {
+CauchyTrial<T> cauchy_triangle_closed(const T& s, const TriangleFrame<T>& triangle,
+                                      const Vec3<T>& point) {
   using std::abs;
   using std::max;
   std::array<Vec3<T>, 3> d;
@@ -224,7 +224,7 @@ TriangleTrial<T> cauchy_triangle_closed(const T& s, const TriangleFrame<T>& tria
 template <class T>
 JetOf<T> unit_cauchy_triangle(const T& s, const TriangleFrame<T>& triangle, const Vec3<T>& point) {
   if (!(triangle.height > T(0))) return {};
-  const TriangleTrial<T> trial = cauchy_triangle_closed(s, triangle, point);
+  const CauchyTrial<T> trial = cauchy_triangle_closed(s, triangle, point);
   if constexpr (kIsDouble<T>) {
     if (!trial.good) return cauchy_triangle_tensor(s, triangle, point, trial.z);
   }

@@ -3,12 +3,12 @@
 //
 //            point        segment             arc             triangle            plane
 //  cauchy    closed       closed              closed          closed              closed
-//  gaussian  closed       closed              nodes           quadrature          closed
-//  inverse   closed       closed              closed          quadrature          divergent
-//  squared   closed       closed              closed          quadrature          divergent
-//  metaball  closed       closed              nodes           quadrature          closed
-//  soft      closed       closed              nodes (exact)   quadrature          closed
-//  quartic   closed       closed              nodes (exact)   quadrature          closed
+//  gaussian  closed       closed              nodes           edges               closed
+//  inverse   closed       closed              closed          closed              divergent
+//  squared   closed       closed              closed          edges               divergent
+//  metaball  closed       closed              nodes           closed              closed
+//  soft      closed       closed              nodes (exact)   closed              closed
+//  quartic   closed       closed              nodes (exact)   closed              closed
 //
 // To add a closed form: its file, its #include here, its word in this table.
 #pragma once
@@ -18,29 +18,24 @@
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_arc.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/gaussian_triangle.h"
 #include "libfield/integral/inverse_arc.h"
 #include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_arc.h"
+#include "libfield/integral/metaball_triangle.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/point.h"
 #include "libfield/integral/quadrature.h"
+#include "libfield/integral/squared_triangle.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
+#include "libfield/integral/support_triangle.h"
 
 namespace cs2mesh {
 
 /// Whether the field of that kernel over that primitive is infinite everywhere.
 template <class K, class P>
 inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plane>;
-
-/// Whether quadrature stands in for a closed form; the table above as code.
-template <class K, class P>
-inline constexpr bool kNeedsQuadrature = !std::is_same_v<K, Cauchy> && std::is_same_v<P, Triangle>;
-
-/// Pairs without a closed form, in double alone.
-template <class K, class P>
-requires kNeedsQuadrature<K, P> Jet integral(const K& kernel, const P& primitive, const Vec3d& p) {
-  return quadrature(kernel, primitive, p);
-}
 
 }  // namespace cs2mesh

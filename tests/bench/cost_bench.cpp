@@ -111,10 +111,8 @@ double scalar_cost(const Term& term, const std::vector<Vec3d>& points) {
          static_cast<double>(points.size());
 }
 
-bool has_closed_form(KernelKind kind, std::size_t shape) {
-  const bool inverse = kind == KernelKind::inverse || kind == KernelKind::squared;
-  if (shape == 4) return !inverse;
-  return shape < 3 || kind == KernelKind::cauchy;
+bool diverges(KernelKind kind, std::size_t shape) {
+  return shape == 4 && (kind == KernelKind::inverse || kind == KernelKind::squared);
 }
 
 void print_row(KernelKind kind, std::size_t shape, const std::vector<Vec3d>& points,
