@@ -64,19 +64,11 @@ void append_nodes(const FarElement& element, const PointSource& law,
 /// The element as that many weighted points; 1 for a point itself.
 void append_points(const FarElement& element, const PointSource& law, int nodes,
                    std::vector<PointSource>& points) {
-  switch (nodes) {
-    case 1:
-      points.push_back(law);
-      return;
-    case 2:
-      return append_nodes<2>(element, law, points);
-    case 4:
-      return append_nodes<4>(element, law, points);
-    case 6:
-      return append_nodes<6>(element, law, points);
-    default:
-      return append_nodes<8>(element, law, points);
-  }
+  if (nodes == 1) points.push_back(law);
+  if (nodes == 2) append_nodes<2>(element, law, points);
+  if (nodes == 4) append_nodes<4>(element, law, points);
+  if (nodes == 6) append_nodes<6>(element, law, points);
+  if (nodes == 8) append_nodes<8>(element, law, points);
 }
 
 }  // namespace
@@ -410,6 +402,19 @@ const FarField::Cell& FarField::smallest_around(const Aabb& box) const {
     cell = &child(*cell, cell->octant_of(box.min));
   }
   return *cell;
+}
+
+FarField::Parts FarField::parts_at(const Vec3d& p) const {
+  Parts parts;
+  const auto add = [&](std::uint32_t e) { parts.terms.push_back(tree_.elements()[e].term); };
+  if (root_->holds(p)) {
+    const Cell& cell = leaf_of(p);
+    parts.series = &cell.series, parts.center = cell.center, parts.half = cell.half;
+    visit_unresolved(cell, add);
+  } else {
+    for (std::uint32_t i = 0; i < tree_.elements().size(); ++i) add(i);
+  }
+  return parts;
 }
 
 // ---- Evaluation ----

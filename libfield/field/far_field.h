@@ -38,6 +38,9 @@ class FarField {
   /// together, wherever they stand. The values among jets are the same bits as those alone.
   void add(std::span<const Vec3d> points, std::span<Jet> sums) const;
   void add(std::span<const Vec3d> points, std::span<double> sums) const;
+  /// Adds the second derivative: that of the series, and the exact ones of all that is not in it.
+  /// What the series leave out counts relative to the squared distance of its sources.
+  void add(std::span<const Vec3d> points, std::span<Symmetric3> sums) const;
 
   /// As add_bounds() of each term, the approximation not counted; returns the number of terms that
   /// were looked at.
@@ -53,6 +56,13 @@ class FarField {
  private:
   struct Cell;
   class Sorter;
+  /// What the field is near a point: a series of (p - center) / half, if any, and those terms.
+  struct Parts {
+    const Series* series = nullptr;
+    Vec3d center;
+    double half = 0.0;
+    std::vector<std::uint32_t> terms;
+  };
 
   template <class Out>
   void add_grouped(std::span<const Vec3d> points, std::span<Out> sums) const;
@@ -70,6 +80,7 @@ class FarField {
   const Cell& child(const Cell& parent, int octant) const;
   const Cell& leaf_of(const Vec3d& p) const;
   const Cell& smallest_around(const Aabb& box) const;
+  Parts parts_at(const Vec3d& p) const;
 
   double two_nu_;
   SourceTree tree_;
