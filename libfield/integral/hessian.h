@@ -16,9 +16,9 @@
 // triangle, where int 2K alone grows without bound while f is harmonic: there the edges serve, see
 // edge_hessian().
 //
-// Symmetric to the last bit, 0 within the clamp of an inverse kernel, one of the two limits where
-// it jumps (the radii of supports). Finite for every finite p as long as the result itself, and the
-// kernel's K' at the nearest point, are within the range of double.
+// Symmetric to the last bit, 0 within the clamp of an inverse kernel (and on an inverse point
+// without one), one of the two limits where it jumps (the radii of supports). Finite for every
+// finite p; entries beyond the range of double saturate.
 //
 // Legend: for a segment, t the abscissa counted from the foot of p on its line, perp the vector
 // from the line to p, a the axis: d = perp - t a. For an arc, phi the azimuth counted from that of
@@ -215,6 +215,16 @@ Symmetric3 raw_hessian(const K& kernel, const Triangle& triangle, const Vec3d& p
   return face_hessian(kernel, triangle, p);
 }
 
+/// Finite: entries beyond the range of double saturate, those that are no number (a difference of
+/// two such, or 0 / 0 on a singular point) count as 0.
+inline Symmetric3 saturated(const Symmetric3& h) {
+  const auto bounded = [](double x) {
+    constexpr double kGreatest = std::numeric_limits<double>::max();
+    return std::isnan(x) ? 0.0 : std::clamp(x, -kGreatest, kGreatest);
+  };
+  return {bounded(h.xx), bounded(h.yy), bounded(h.zz), bounded(h.xy), bounded(h.xz), bounded(h.yz)};
+}
+
 }  // namespace detail
 
 /// The second derivative of integral(kernel, primitive, p): within some ulp of its norm for inputs
@@ -226,15 +236,15 @@ requires(!kDiverges<K, P>) Symmetric3 hessian(const K& kernel, const P& primitiv
   if constexpr (detail::kIsInverse<K>) {
     if (distance(primitive, p) < detail::least_distance(kernel, primitive)) return {};
   }
-  return detail::raw_hessian(kernel, primitive, p);
+  return detail::saturated(detail::raw_hessian(kernel, primitive, p));
 }
 
 template <class K>
 Symmetric3 hessian(const K& kernel, const Point& point, const Vec3d& p) {
   const Vec3d d = p - point.position;
   const double u = squared_norm(d);
-  return multiple_of_unit(2.0 * kernel.slope(u)) +
-         symmetric_product((2.0 * kernel.curvature(u)) * d, d);
+  return detail::saturated(multiple_of_unit(2.0 * kernel.slope(u)) +
+                           symmetric_product((2.0 * kernel.curvature(u)) * d, d));
 }
 
 /// f depends on the distance d from the plane alone, f' = -2 pi d h, f'' = -2 pi (h + 2 d^2 K).

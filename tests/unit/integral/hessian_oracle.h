@@ -1,6 +1,6 @@
 // Second derivatives of fields in extended precision: the differentiated kernel, integrated over
-// segments, arcs and triangles by adaptive quadrature that knows nothing of the kernel but the radii
-// where its derivatives jump.
+// segments, arcs and triangles by adaptive quadrature that knows nothing of the kernel but the
+// radii where its derivatives jump.
 #pragma once
 
 #include <algorithm>
@@ -54,16 +54,14 @@ Sum by_nodes(const F& f, Real a, Real length) {
   return sum;
 }
 
-/// Halves [a, a + length] until 20 nodes change what 14 give by less than ten times `tolerance`, times
-/// `total`, which grows on the way.
+/// Halves [a, a + length] until 20 nodes change what 14 give by less than `allowed`.
 template <class F>
-Sum halved(const F& f, Real a, Real length, Real tolerance, Real& total, int depth) {
+Sum halved(const F& f, Real a, Real length, Real allowed, int depth) {
   const Sum sum = by_nodes<20>(f, a, length);
-  total = std::max(total, sum.size);
   const Real change = norm(Matrix(sum.matrix - by_nodes<14>(f, a, length).matrix));
-  if (depth == 0 || !(change > 10 * tolerance * total)) return sum;
-  Sum both = halved(f, a, length / 2, tolerance, total, depth - 1);
-  both += halved(f, a + length / 2, length / 2, tolerance, total, depth - 1);
+  if (depth == 0 || !(change > allowed)) return sum;
+  Sum both = halved(f, a, length / 2, allowed, depth - 1);
+  both += halved(f, a + length / 2, length / 2, allowed, depth - 1);
   return both;
 }
 
@@ -84,7 +82,7 @@ Real reach_of(const K& kernel, Real distance) {
 
 /// To that part of the whole: less than rounding makes of places at `scale`.
 inline Real tolerance_for(Real scale, Real reach) {
-  return 1e-17L + 1e-18L * scale / reach;
+  return 1e-17L + 1e-19L * scale / reach;
 }
 
 /// int f over 0 <= t <= length, in parts between the cuts.
@@ -92,14 +90,22 @@ template <class F>
 Sum integral_over(const F& f, Real length, std::vector<Real> cuts, Real tolerance) {
   cuts.push_back(0), cuts.push_back(length);
   std::sort(cuts.begin(), cuts.end());
-  Sum sum;
+  const auto visit = [&](const auto& take) {
+    for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
+      const Real a = std::clamp<Real>(cuts[i], 0, length);
+      const Real b = std::clamp<Real>(cuts[i + 1], 0, length);
+      // x = s^2 (3 - 2s) turns square roots at either end into smooth functions.
+      if (b > a) {
+        take([&, a, b](Real s) {
+          return 6 * s * (1 - s) * (b - a) * f(a + (b - a) * (s * s * (3 - 2 * s)));
+        });
+      }
+    }
+  };
   Real total = 0;
-  for (std::size_t i = 0; i + 1 < cuts.size(); ++i) {
-    const Real a = std::clamp<Real>(cuts[i], 0, length);
-    const Real b = std::clamp<Real>(cuts[i + 1], 0, length);
-    if (!(b > a)) continue;
-    sum += halved(f, a, b - a, tolerance, total, 40);
-  }
+  visit([&](const auto& part) { total += by_nodes<7>(part, 0, 1).size; });
+  Sum sum;
+  visit([&](const auto& part) { sum += halved(part, 0, 1, 10 * tolerance * total, 12); });
   return sum;
 }
 
@@ -152,8 +158,8 @@ Sum exact(const K& kernel, const Arc& arc, const Vector& p) {
   const Vector around = std::cos(azimuth) * ey - std::sin(azimuth) * ex;
   const auto at = [&](Real phi) {
     const Real s = std::sin(phi / 2);
-    return integrand(kernel, (rho - c + 2 * c * s * s) * outward - c * std::sin(phi) * around +
-                                 z * n);
+    return integrand(kernel,
+                     (rho - c + 2 * c * s * s) * outward - c * std::sin(phi) * around + z * n);
   };
   std::vector<Real> cuts{0};
   for (const double radius : detail::kinks(kernel)) {
@@ -231,7 +237,7 @@ Sum exact(const K& kernel, const Triangle& triangle, const Vector& p) {
           const Vector from = d0 - (end + direction * o) * along;
           return over_line(kernel, from, up, slope * o);
         },
-        length, cuts, 10 * tolerance_for(base + norm(d0), least));
+        length, cuts, 3 * tolerance_for(base + norm(d0), least));
   };
   part(0, 1, apex);
   part(base, -1, base - apex);
