@@ -3,7 +3,7 @@
 // (K is continuous but for the clamp of inverse kernels, so no edge of a support adds a term.)
 //
 //            point    segment      arc          triangle                       plane
-//  cauchy    closed   quadrature   quadrature   quadrature                     closed
+//  cauchy    closed   quadrature   quadrature   edges over it, else quadrature closed
 //  gaussian  closed   closed       quadrature   quadrature of closed chords    closed
 //  inverse   closed   quadrature   quadrature   edges near it, else quadrature divergent
 //  others    closed   quadrature   quadrature   quadrature                     closed or divergent
@@ -22,9 +22,9 @@
 //
 // Legend: for a segment, t the abscissa counted from the foot of p on its line, perp the vector
 // from the line to p, a the axis: d = perp - t a. For an arc, phi the azimuth counted from that of
-// p, c its radius, rho and z the cylindrical coordinates of p, g = 1 - cos phi: d = (rho - c + c g)
-// e_rho
-// - c sin(phi) e_phi + z n. For a triangle, x and y as in quadrature_triangle.h: d = (-x, -y, z).
+// p, c its radius, rho and z the cylindrical coordinates of p, g = 1 - cos phi:
+// d = (rho - c + c g) e_rho - c sin(phi) e_phi + z n. For a triangle, x and y as in
+// quadrature_triangle.h: d = (-x, -y, z).
 #pragma once
 
 #include <cmath>
@@ -206,8 +206,53 @@ inline Symmetric3 edge_hessian(const Inverse& kernel, const Triangle& triangle, 
   return assembled(local, along, up, normal);
 }
 
+/// The Cauchy kernel's from the edges, and whether the sums keep their digits. With o, t, n the
+/// outward, the tangential and the normal unit vectors of an edge, Q = 1 + s^2 z^2 and Jk as in
+/// cauchy_triangle.h, the rows in the plane are again those of -sum o (grad of the edge's field)^T,
+///     A sum [-4 s^2 J3 (e o o^T - z (o n^T + n o^T)) - drop (o t^T + t o^T) / 2],
+/// and the last entry is d/dz of the gradient along n, dJk/dz = -2 k s^2 z J(k + 1):
+///     -A s^2 [(Q - 4 s^2 z^2) / Q^3 sum e (J1 + Q J2) - 4 s^2 z^2 / Q sum e J3].
+/// Where the terms add up to more than some times the result, as over a wide kernel or far outside,
+/// the sums have lost digits that quadrature keeps.
+struct EdgeTrial {
+  Symmetric3 hessian;
+  bool good = false;
+};
+inline EdgeTrial cauchy_edge_hessian(const Cauchy& kernel, const Triangle& triangle,
+                                     const Vec3d& p) {
+  const TriangleFrame<double> frame(triangle);
+  const double s = kernel.s, s2 = s * s;
+  std::array<Vec3d, 3> d;
+  for (std::size_t i = 0; i < 3; ++i) d[i] = p - frame.vertex[i];
+  const double z = dot(nearest_of(d), frame.normal);
+  const double q = 1.0 + s2 * (z * z);
+  if (!(q <= 4.0 * s2 * (frame.height * frame.height))) return {};
+  Symmetric3 sum;
+  double e12 = 0.0, e3 = 0.0, size = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const auto& edge = frame.edge[i];
+    const auto [e, line] = EdgeView<double>(s, frame, d, z, i);
+    const double fall = 4.0 * s2 * line.j3;
+    sum += (-fall * e) * squared(edge.outward) +
+           (fall * z) * symmetric_product(edge.outward, frame.normal) -
+           (0.5 * line.drop) * symmetric_product(edge.outward, edge.along);
+    e12 += e * (line.j1 + q * line.j2);
+    e3 += e * line.j3;
+    size += fall * (std::abs(e) + std::abs(z)) + std::abs(line.drop) +
+            s2 * std::abs(e) * (line.j1 + q * line.j2) / (q * q);
+  }
+  const double lift = 4.0 * s2 * (z * z);
+  sum += (-s2 * ((q - lift) / (q * q * q) * e12 - lift / q * e3)) * squared(frame.normal);
+  constexpr double kMostCancelled = 8.0;
+  return {kernel.amplitude * sum, size < kMostCancelled * norm(sum)};
+}
+
 template <class K>
 Symmetric3 raw_hessian(const K& kernel, const Triangle& triangle, const Vec3d& p) {
+  if constexpr (std::is_same_v<K, Cauchy>) {
+    const EdgeTrial trial = cauchy_edge_hessian(kernel, triangle, p);
+    if (trial.good) return trial.hessian;
+  }
   if constexpr (std::is_same_v<K, Inverse>) {
     // Farther off the edges cancel, while int 2K is of the size of the result.
     if (distance(triangle, p) < 0.5 * size(triangle)) return edge_hessian(kernel, triangle, p);

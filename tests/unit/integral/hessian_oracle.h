@@ -168,11 +168,13 @@ Sum exact(const K& kernel, const Arc& arc, const Vector& p) {
     const Real phi = 2 * std::asin(std::sqrt(x2 / (4 * c * rho)));
     for (const Real cut : {phi, -phi}) cuts.push_back(cut);
   }
-  const Real half = static_cast<Real>(arc.sweep) / 2;
+  const Real turn = 2 * std::numbers::pi_v<Real>;
+  // A full circle has no gap, whatever the rounding of its sweep; it may begin opposite to p.
+  const bool full = arc.sweep >= 2 * std::numbers::pi;
+  const Real sweep = full ? turn : Real(arc.sweep), turned = full ? 0 : azimuth;
   // Counted from the azimuth of p, whichever turn it is in.
   Sum sum;
-  const Real first = -half - azimuth, last = half - azimuth;
-  const Real turn = 2 * std::numbers::pi_v<Real>;
+  const Real first = -sweep / 2 - turned, last = sweep / 2 - turned;
   std::vector<Real> all;
   for (const Real cut : cuts) {
     for (const Real shifted : {cut - turn, cut, cut + turn}) all.push_back(shifted);
@@ -182,7 +184,7 @@ Sum exact(const K& kernel, const Arc& arc, const Vector& p) {
     if (!(to > from)) return;
     std::vector<Real> inside;
     for (const Real cut : all) inside.push_back(sign * cut - from);
-    const Real length = first >= 0 || last <= 0 ? Real(arc.sweep) : to - from;
+    const Real length = first >= 0 || last <= 0 ? sweep : to - from;
     const Real least = reach_of(kernel, static_cast<Real>(distance(arc, Vec3d(p)))) / c;
     close_in(0, length, least, inside);
     close_in(length, length, least, inside);
