@@ -77,6 +77,7 @@ inline void close_in(Real peak, Real length, Real least, std::vector<Real>& cuts
 template <class K>
 Real reach_of(const K& kernel, Real distance) {
   const Real width = kernel.length_scale();
+  if constexpr (std::is_same_v<K, Cauchy>) return std::hypot(width, distance) / 4;
   return width > 0 ? width * std::min<Real>(1, width / distance) : distance / 4;
 }
 
@@ -131,14 +132,21 @@ template <class K>
 Sum over_line(const K& kernel, const Vector& d0, const Vector& axis, Real length) {
   const Real foot = dot(d0, axis);
   const Vector perp = d0 - foot * axis;
-  std::vector<Real> cuts = kinks_of_line(kernel, norm(perp));
-  for (Real& cut : cuts) cut += foot;
-  const Real nearest = std::clamp<Real>(foot, 0, length);
-  const Real reach = reach_of(kernel, std::hypot(norm(perp), nearest - foot));
-  close_in(nearest, length, reach, cuts);
-  // From the foot, if it is on the line, abscissae keep their digits.
-  return integral_over([&](Real t) { return integrand(kernel, perp - (t - foot) * axis); }, length,
-                       cuts, tolerance_for(length + norm(d0), reach));
+  // Counted from the place nearest to the foot, where abscissae need their digits.
+  const Real nearest = std::clamp<Real>(foot, 0, length), beyond = nearest - foot;
+  const Real reach = reach_of(kernel, std::hypot(norm(perp), beyond));
+  const auto part = [&](Real direction, Real extent) {
+    std::vector<Real> cuts = kinks_of_line(kernel, norm(perp));
+    for (Real& cut : cuts) cut = direction * (cut - beyond);
+    close_in(0, extent, reach, cuts);
+    const auto at = [&](Real o) {
+      return integrand(kernel, perp - (beyond + direction * o) * axis);
+    };
+    return integral_over(at, extent, cuts, tolerance_for(length + norm(d0), reach));
+  };
+  Sum sum = part(1, length - nearest);
+  sum += part(-1, nearest);
+  return sum;
 }
 
 template <class K>
