@@ -38,6 +38,9 @@ class FarField {
   /// together, wherever they stand. The values among jets are the same bits as those alone.
   void add(std::span<const Vec3d> points, std::span<Jet> sums) const;
   void add(std::span<const Vec3d> points, std::span<double> sums) const;
+  /// Adds the second derivative: that of the series, and the exact ones of all that is not in it.
+  /// What the series leave out counts relative to the squared distance of its sources.
+  void add(std::span<const Vec3d> points, std::span<Symmetric3> sums) const;
 
   /// As add_bounds() of each term, the approximation not counted; returns the number of summands.
   /// Where many elements are near the boxes they are known by their ranges alone. Cost: a series

@@ -131,10 +131,9 @@ void collect_points(FieldData& data) {
   std::partial_sum(data.point_begin.begin(), data.point_begin.end(), data.point_begin.begin());
 }
 
-/// Adds the terms of `list`, in ascending order, at each of the points.
 template <class Out>
-void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
-               std::span<const Vec3d> points, std::span<Out> sums) {
+void add_values_or_jets(const FieldData& data, std::span<const std::uint32_t> list,
+                        std::span<const Vec3d> points, std::span<Out> sums) {
   auto first = list.begin();
   for (std::size_t kernel = 0; kernel < kAllKernels.size(); ++kernel) {
     const auto last = std::lower_bound(first, list.end(), data.point_begin[kernel + 1]);
@@ -145,6 +144,17 @@ void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
     first = last;
   }
   for (; first != list.end(); ++first) accumulate(data.terms[*first], points, sums);
+}
+
+/// Adds the terms of `list`, in ascending order, at each of the points.
+template <class Out>
+void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
+               std::span<const Vec3d> points, std::span<Out> sums) {
+  if constexpr (std::is_same_v<Out, Symmetric3>) {
+    for (const std::uint32_t i : list) accumulate(data.terms[i], points, sums);
+  } else {
+    add_values_or_jets(data, list, points, sums);
+  }
 }
 
 Aabb surface_bounds(const FieldData& data) {
@@ -285,6 +295,17 @@ void Field::values(std::span<const Vec3d> points, std::span<double> out) const {
   require(points.size() == out.size(), "one value a point");
   std::fill(out.begin(), out.end(), -kThreshold);
   evaluate(points, out);
+}
+
+void Field::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const {
+  require(points.size() == out.size(), "one jet a point");
+  std::vector<Jet> first(points.size());
+  jets(points, first);
+  std::vector<Symmetric3> second(points.size());
+  evaluate<Symmetric3>(points, second);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    out[i] = {first[i].value, first[i].gradient, second[i]};
+  }
 }
 
 void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {

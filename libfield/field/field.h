@@ -32,6 +32,10 @@ class Field final : public ImplicitSurface, public MaterialBlend {
 
   void values(std::span<const Vec3d> points, std::span<double> out) const override;
   void jets(std::span<const Vec3d> points, std::span<Jet> out) const override;
+  /// Values and gradients are those of jets(). Where a far field approximates, its error in F is
+  /// within the budget; that of its second derivative is that over the squared distance of what it
+  /// approximates.
+  void second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const override;
   Interval enclose(const Aabb& box) const override;
   void enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const override;
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;

@@ -1,13 +1,14 @@
 // The one view that meshers, ray solvers and measurements have of a shape.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <memory>
 #include <span>
 
 #include "libfield/base/aabb.h"
 #include "libfield/base/interval.h"
-#include "libfield/base/jet.h"
+#include "libfield/base/jet2.h"
 
 namespace cs2mesh {
 
@@ -25,6 +26,10 @@ class ImplicitSurface {
   virtual void values(std::span<const Vec3d> points, std::span<double> out) const = 0;
   /// F and its gradient at each point. Values agree with those of values() to rounding.
   virtual void jets(std::span<const Vec3d> points, std::span<Jet> out) const = 0;
+  /// F, its gradient and its second derivative at each point; where F is not smooth, those of one
+  /// side. `out` is as long as `points`. Shapes that do not say more get central differences of
+  /// their gradients over 1e-5 of max(1, |p|): for analytic functions of moderate numbers alone.
+  virtual void second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const;
 
   /// Contains F(p) for every p in the box, rounding included.
   virtual Interval enclose(const Aabb& box) const = 0;
@@ -56,6 +61,29 @@ class ImplicitSurface {
     jets({&p, 1}, {&out, 1});
     return out;
   }
+  Jet2 second_jet(const Vec3d& p) const {
+    Jet2 out;
+    second_jets({&p, 1}, {&out, 1});
+    return out;
+  }
 };
+
+inline void ImplicitSurface::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3d& p = points[i];
+    const double step = 1e-5 * std::max(1.0, norm(p));
+    std::array<Vec3d, 3> row;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      Vec3d before = p, after = p;
+      before[axis] -= step, after[axis] += step;
+      row[axis] = (jet(after).gradient - jet(before).gradient) / (after[axis] - before[axis]);
+    }
+    const Jet first = jet(p);
+    out[i] = {first.value,
+              first.gradient,
+              {row[0].x, row[1].y, row[2].z, 0.5 * (row[0].y + row[1].x),
+               0.5 * (row[0].z + row[2].x), 0.5 * (row[1].z + row[2].y)}};
+  }
+}
 
 }  // namespace cs2mesh

@@ -9,7 +9,7 @@
 
 #include "libfield/base/aabb.h"
 #include "libfield/base/affine.h"
-#include "libfield/base/jet.h"
+#include "libfield/base/jet2.h"
 #include "libfield/integral/frames.h"
 #include "libfield/kernel/kernel.h"
 #include "libfield/primitive/primitive.h"
@@ -39,6 +39,8 @@ struct Term {
 void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> sums);
 /// Adds f alone, which costs less; the same bits.
 void accumulate(const Term& term, std::span<const Vec3d> points, std::span<double> sums);
+/// Adds the second derivative of f alone; exact where profiles have no corner.
+void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Symmetric3> sums);
 
 /// An upper bound of |f| at every point at least `distance` from the primitive's box.
 double magnitude_bound(const Term& term, double distance);

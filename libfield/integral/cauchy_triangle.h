@@ -136,6 +136,24 @@ struct TriangleSums {
   T inward_size{};            ///< sum J2
 };
 
+/// An edge as seen from p: e and the integrals along it.
+template <class T>
+struct EdgeView {
+  T e;
+  CauchyLine<T> line;
+
+  /// d from the vertices to p, z the height of p.
+  EdgeView(const T& s, const TriangleFrame<T>& triangle, const std::array<Vec3<T>, 3>& d,
+           const T& z, std::size_t i) {
+    using std::abs;
+    const auto& edge = triangle.edge[i];
+    const T t1 = -dot(d[i], edge.along);
+    const T t2 = -dot(d[(i + 1) % 3], edge.along);
+    e = -dot(select(abs(t1) < abs(t2), d[i], d[(i + 1) % 3]), edge.outward);
+    line = cauchy_line(s, t1, t2, edge.length, T(e * e + z * z));
+  }
+};
+
 template <class T>
 TriangleSums<T> cauchy_edges(const T& s, const TriangleFrame<T>& triangle,
                              const std::array<Vec3<T>, 3>& d, const T& z) {
@@ -144,10 +162,7 @@ TriangleSums<T> cauchy_edges(const T& s, const TriangleFrame<T>& triangle,
   TriangleSums<T> sums;
   for (std::size_t i = 0; i < 3; ++i) {
     const auto& edge = triangle.edge[i];
-    const T t1 = -dot(d[i], edge.along);
-    const T t2 = -dot(d[(i + 1) % 3], edge.along);
-    const T e = -dot(select(abs(t1) < abs(t2), d[i], d[(i + 1) % 3]), edge.outward);
-    const CauchyLine<T> line = cauchy_line(s, t1, t2, edge.length, T(e * e + z * z));
+    const auto [e, line] = EdgeView<T>(s, triangle, d, z, i);
     const T value = e * line.j1;
     const T normal = value + e * (big_q * line.j2);
     sums.value += value;
@@ -179,6 +194,13 @@ MaskOf<T> well_conditioned(const JetOf<T>& jet, const T& value_size, const T& gr
          (gradient_size < growth * (slope + curvature * scale));
 }
 
+/// The shortest of the three: its difference carries the smallest rounding error.
+template <class T>
+Vec3<T> nearest_of(const std::array<Vec3<T>, 3>& d) {
+  const T u0 = squared_norm(d[0]), u1 = squared_norm(d[1]), u2 = squared_norm(d[2]);
+  return select(both(u0 < u1, u0 < u2), d[0], select(u1 < u2, d[1], d[2]));
+}
+
 /// The closed form, and where it keeps its digits.
 template <class T>
 struct CauchyTrial {
@@ -198,10 +220,7 @@ CauchyTrial<T> cauchy_triangle_closed(const T& s, const TriangleFrame<T>& triang
     d[i] = point - triangle.vertex[i];
     u[i] = squared_norm(d[i]);
   }
-  // From the nearest vertex: its difference carries the smallest rounding error.
-  const auto first = both(u[0] < u[1], u[0] < u[2]);
-  const Vec3<T> nearest = select(first, d[0], select(u[1] < u[2], d[1], d[2]));
-  const T z = dot(nearest, triangle.normal);
+  const T z = dot(nearest_of(d), triangle.normal);
   const T s2 = s * s;
   const T big_q = T(1) + s2 * (z * z);
   const TriangleSums<T> sums = cauchy_edges(s, triangle, d, z);

@@ -63,6 +63,20 @@ inline constexpr double kGaussianEnd = 45.0;
 /// int h, int 2K, int 2K t over a segment.
 struct LineMoments {
   double f = 0.0, m = 0.0, s = 0.0;
+
+  template <class K>
+  void add(const K& kernel, double weight, double u, double t) {
+    const double k2 = 2.0 * weight * kernel.slope(u);
+    f += weight * kernel.profile(u);
+    m += k2;
+    s += k2 * t;
+  }
+  /// Adds a panel whose abscissae were counted in that direction.
+  void add_panel(double length, double sign, const LineMoments& part) {
+    f += length * part.f;
+    m += length * part.m;
+    s += length * sign * part.s;
+  }
 };
 
 template <class K>
@@ -90,28 +104,22 @@ Panel line_verdict(const K& kernel, double c2, const Piece& piece, double o, dou
 }
 
 /// The moments over t1 <= t <= t2 = t1 + length at squared distance c2 from the line.
-template <class K>
-LineMoments line_moments(const K& kernel, double c2, double t1, double t2, double length,
-                         double reach) {
-  LineMoments sum;
+template <class Moments = LineMoments, class K>
+Moments line_moments(const K& kernel, double c2, double t1, double t2, double length,
+                     double reach) {
+  Moments sum;
   const Pieces pieces = pieces_of(t1, t2, length);
   for (std::size_t i = 0; i < pieces.count; ++i) {
     const Piece& piece = pieces.piece[i];
     const auto take = [&](double o, double panel) {
       constexpr int kOrder = kIsPolynomial<K> ? 4 : kPanelOrder;
       const UnitRule<kOrder>& rule = kUnitRule<kOrder>;
-      LineMoments part;
+      Moments part;
       for (std::size_t j = 0; j < kOrder; ++j) {
         const double t = piece.start + (o + rule.node[j] * panel);
-        const double u = c2 + t * t;
-        const double k2 = 2.0 * rule.weight[j] * kernel.slope(u);
-        part.f += rule.weight[j] * kernel.profile(u);
-        part.m += k2;
-        part.s += k2 * t;
+        part.add(kernel, rule.weight[j], c2 + t * t, t);
       }
-      sum.f += panel * part.f;
-      sum.m += panel * part.m;
-      sum.s += panel * piece.sign * part.s;
+      sum.add_panel(panel, piece.sign, part);
     };
     const auto decide = [&](double o, double panel) {
       return line_verdict(kernel, c2, piece, o, panel, reach);
@@ -150,25 +158,56 @@ bool vanishes(const K& kernel, const P& primitive, const Vec3d& p) {
   }
 }
 
+/// Where p is as seen from a segment of some length.
+struct LineView {
+  Vec3d axis, perp;
+  double t1, t2, length;
+
+  LineView(const Segment& segment, const Vec3d& p) {
+    const Vec3d side = segment.b - segment.a;
+    length = norm(side);
+    axis = side / length;
+    const Vec3d da = p - segment.a;
+    const Vec3d db = p - segment.b;
+    t1 = -dot(da, axis);
+    t2 = -dot(db, axis);
+    const Vec3d& nearer = std::abs(t1) < std::abs(t2) ? da : db;
+    perp = cross(axis, cross(nearer, axis));
+  }
+};
+
+template <class Moments, class K>
+Moments moments(const K& kernel, const LineView& at, double reach) {
+  return line_moments<Moments>(kernel, squared_norm(at.perp), at.t1, at.t2, at.length, reach);
+}
+
 template <class K>
 Jet segment_quadrature(const K& kernel, const Segment& segment, const Vec3d& p, double reach) {
-  const Vec3d side = segment.b - segment.a;
-  const double length = norm(side);
-  if (!(length > 0.0)) return {};
-  const Vec3d axis = side / length;
-  const Vec3d da = p - segment.a;
-  const Vec3d db = p - segment.b;
-  const double t1 = -dot(da, axis);
-  const double t2 = -dot(db, axis);
-  const Vec3d& nearer = std::abs(t1) < std::abs(t2) ? da : db;
-  const Vec3d perp = cross(axis, cross(nearer, axis));
-  const LineMoments sum = line_moments(kernel, squared_norm(perp), t1, t2, length, reach);
-  return {sum.f, sum.m * perp - sum.s * axis};
+  const LineView at(segment, p);
+  const auto sum = moments<LineMoments>(kernel, at, reach);
+  return {sum.f, sum.m * at.perp - sum.s * at.axis};
 }
 
 /// int h, N0, N1, Ns over an arc.
 struct ArcMoments {
   double f = 0.0, n0 = 0.0, n1 = 0.0, ns = 0.0;
+
+  /// `half` the angle, `sine` of it.
+  template <class K>
+  void add(const K& kernel, double weight, double u, double half, double sine) {
+    const double k = weight * kernel.slope(u);
+    f += weight * kernel.profile(u);
+    n0 += k;
+    n1 += 2.0 * k * sine * sine;
+    ns += 2.0 * k * sine * std::cos(half);
+  }
+  /// Adds a panel whose angles were counted in that direction.
+  void add_panel(double length, double sign, const ArcMoments& part) {
+    f += length * part.f;
+    n0 += length * part.n0;
+    n1 += length * part.n1;
+    ns += length * sign * part.ns;
+  }
 };
 
 /// u(phi) = m + 4 c rho sin^2(phi / 2).
@@ -219,30 +258,22 @@ Panel arc_verdict(const K& kernel, const ArcDistance& u, const Piece& piece, dou
   }
 }
 
-template <class K>
-ArcMoments arc_moments(const K& kernel, const ArcDistance& u, double phi1, double phi2,
-                       double sweep, double reach) {
-  ArcMoments sum;
+template <class Moments = ArcMoments, class K>
+Moments arc_moments(const K& kernel, const ArcDistance& u, double phi1, double phi2, double sweep,
+                    double reach) {
+  Moments sum;
   const Pieces pieces = pieces_of(phi1, phi2, sweep);
   for (std::size_t i = 0; i < pieces.count; ++i) {
     const Piece& piece = pieces.piece[i];
     const auto take = [&](double o, double panel) {
       const UnitRule<kPanelOrder>& rule = kUnitRule<kPanelOrder>;
-      ArcMoments part;
+      Moments part;
       for (std::size_t j = 0; j < kPanelOrder; ++j) {
         const double half = 0.5 * (piece.start + (o + rule.node[j] * panel));
         const double sine = std::sin(half);
-        const double squared = u.m + u.q * (sine * sine);
-        const double k = rule.weight[j] * kernel.slope(squared);
-        part.f += rule.weight[j] * kernel.profile(squared);
-        part.n0 += k;
-        part.n1 += 2.0 * k * sine * sine;
-        part.ns += 2.0 * k * sine * std::cos(half);
+        part.add(kernel, rule.weight[j], u.m + u.q * (sine * sine), half, sine);
       }
-      sum.f += panel * part.f;
-      sum.n0 += panel * part.n0;
-      sum.n1 += panel * part.n1;
-      sum.ns += panel * piece.sign * part.ns;
+      sum.add_panel(panel, piece.sign, part);
     };
     const auto decide = [&](double o, double panel) {
       return arc_verdict(kernel, u, piece, o, panel, reach);
@@ -260,26 +291,47 @@ ArcMoments arc_moments(const K& kernel, const ArcDistance& u, double phi1, doubl
   return sum;
 }
 
+/// Where p is as seen from an arc.
+struct ArcView {
+  Vec3d outward, around;  ///< e_rho, e_phi
+  double beyond, z;       ///< rho - c and the height
+  double first, last;     ///< ends of phi
+  double sweep;
+  ArcDistance u;
+
+  ArcView(const Arc& arc, const Vec3d& p) {
+    const Vec3d d = p - arc.center;
+    const double x = dot(d, arc.ex), y = dot(d, arc.ey);
+    const double rho = std::hypot(x, y);
+    const double azimuth = rho > 0.0 ? std::atan2(y, x) : 0.0;
+    const double cosine = rho > 0.0 ? x / rho : 1.0;
+    const double sine = rho > 0.0 ? y / rho : 0.0;
+    outward = cosine * arc.ex + sine * arc.ey;
+    around = cosine * arc.ey - sine * arc.ex;
+    beyond = rho - arc.radius;
+    z = dot(d, arc.normal);
+    sweep = arc.sweep;
+    // A full circle may begin anywhere: opposite to p, where no digit depends on the seam.
+    const double turned = 0.5 * sweep < std::numbers::pi ? azimuth : 0.0;
+    first = -0.5 * sweep - turned;
+    last = 0.5 * sweep - turned;
+    u = {beyond * beyond + z * z, 4.0 * arc.radius * rho};
+  }
+};
+
+template <class Moments, class K>
+Moments moments(const K& kernel, const ArcView& at, double reach) {
+  return arc_moments<Moments>(kernel, at.u, at.first, at.last, at.sweep, reach);
+}
+
 template <class K>
 Jet arc_quadrature(const K& kernel, const Arc& arc, const Vec3d& p, double reach) {
-  const Vec3d d = p - arc.center;
-  const double x = dot(d, arc.ex), y = dot(d, arc.ey), z = dot(d, arc.normal);
-  const double rho = std::hypot(x, y);
-  const double azimuth = rho > 0.0 ? std::atan2(y, x) : 0.0;
-  const double cosine = rho > 0.0 ? x / rho : 1.0;
-  const double sine = rho > 0.0 ? y / rho : 0.0;
-  const Vec3d outward = cosine * arc.ex + sine * arc.ey;
-  const Vec3d around = cosine * arc.ey - sine * arc.ex;
+  const ArcView at(arc, p);
+  const auto sum = moments<ArcMoments>(kernel, at, reach);
   const double c = arc.radius;
-  const double beyond = rho - c;
-  const double half = 0.5 * arc.sweep;
-  // A full circle may begin anywhere: opposite to p, where no digit depends on the seam.
-  const double turned = half < std::numbers::pi ? azimuth : 0.0;
-  const ArcDistance u{beyond * beyond + z * z, 4.0 * c * rho};
-  const ArcMoments sum = arc_moments(kernel, u, -half - turned, half - turned, arc.sweep, reach);
   return {c * sum.f, 2.0 * c *
-                         ((beyond * sum.n0 + c * sum.n1) * outward - (c * sum.ns) * around +
-                          (z * sum.n0) * arc.normal)};
+                         ((at.beyond * sum.n0 + c * sum.n1) * at.outward -
+                          (c * sum.ns) * at.around + (at.z * sum.n0) * arc.normal)};
 }
 
 /// A direction away from the primitive where its nearest point to p is p itself.
@@ -317,11 +369,17 @@ inline Vec3d foot(const Triangle& triangle, const Vec3d& p) {
   return nearest;
 }
 
+/// The distance from which an inverse kernel is evaluated in earnest.
+template <class K, class P>
+double least_distance(const K& kernel, const P& primitive) {
+  return std::max(kernel.clamp, 1e-13 * size(primitive));
+}
+
 /// Calls evaluate(point) where the primitive is far enough for the kernel.
 template <class K, class P, class Evaluate>
 Jet clamped(const K& kernel, const P& primitive, const Vec3d& p, const Evaluate& evaluate) {
   if constexpr (kIsInverse<K>) {
-    const double least = std::max(kernel.clamp, 1e-13 * size(primitive));
+    const double least = least_distance(kernel, primitive);
     if (distance(primitive, p) < least) {
       return {evaluate(moved_away(p, foot(primitive, p), aside(primitive), least)).value, {}};
     }

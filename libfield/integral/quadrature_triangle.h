@@ -35,13 +35,21 @@ struct Flank {
   double slope_x() const { return direction * slope; }
 };
 
-template <class K>
-LineMoments chord_moments(const K& kernel, double c2, double t1, double length, double reach) {
+/// The moments of a Gaussian in closed form.
+inline void find_moments(const Gaussian& kernel, double c2, double t1, double length,
+                         LineMoments& out) {
+  const GaussianLine<double> line = gaussian_line(kernel, t1, t1 + length, length, c2);
+  out = {line.value, -2.0 * kernel.a * kernel.a * line.value, -line.drop};
+}
+
+template <class Moments, class K>
+Moments chord_moments(const K& kernel, double c2, double t1, double length, double reach) {
   if constexpr (std::is_same_v<K, Gaussian>) {
-    const GaussianLine<double> line = gaussian_line(kernel, t1, t1 + length, length, c2);
-    return {line.value, -2.0 * kernel.a * kernel.a * line.value, -line.drop};
+    Moments moments;
+    find_moments(kernel, c2, t1, length, moments);
+    return moments;
   } else {
-    return line_moments(kernel, c2, t1, t1 + length, length, reach);
+    return line_moments<Moments>(kernel, c2, t1, t1 + length, length, reach);
   }
 }
 
@@ -126,12 +134,27 @@ class FlankPanels {
 
 /// int f, int x M, int S, int M of the chords, where f, M, S are their moments.
 struct FaceMoments {
+  using Chord = LineMoments;
   double f = 0.0, x = 0.0, y = 0.0, z = 0.0;
+
+  /// The chord at abscissa x.
+  void add(double weight, const Chord& chord, double at) {
+    f += weight * chord.f;
+    x += weight * chord.m * at;
+    y += weight * chord.s;
+    z += weight * chord.m;
+  }
+  /// Adds a panel whose abscissae were counted in that direction.
+  void add_panel(double length, double sign, const FaceMoments& part) {
+    f += length * part.f;
+    x += length * sign * part.x;
+    y += length * part.y;
+    z += length * part.z;
+  }
 };
 
-template <class K>
-void add_flank(const K& kernel, const Flank& flank, double plane_gap2, double reach,
-               FaceMoments& sum) {
+template <class Face, class K>
+void add_flank(const K& kernel, const Flank& flank, double plane_gap2, double reach, Face& sum) {
   if (!(flank.length > 0.0)) return;
   const Pieces pieces = pieces_of(std::min(flank.corner, flank.apex),
                                   std::max(flank.corner, flank.apex), flank.length);
@@ -142,22 +165,16 @@ void add_flank(const K& kernel, const Flank& flank, double plane_gap2, double re
     const double at_start = toward > 0.0 ? flank.length - piece.length : piece.length;
     const auto take = [&](double o, double panel) {
       const UnitRule<kPanelOrder>& rule = kUnitRule<kPanelOrder>;
-      FaceMoments part;
+      Face part;
       for (std::size_t j = 0; j < kPanelOrder; ++j) {
         const double offset = o + rule.node[j] * panel;
         const double x = piece.start + offset;
         const double height = flank.slope * std::max(0.0, at_start + toward * offset);
         const double c2 = flank.z * flank.z + x * x;
-        const LineMoments chord = chord_moments(kernel, c2, flank.yb, height, reach);
-        part.f += rule.weight[j] * chord.f;
-        part.x += rule.weight[j] * chord.m * x;
-        part.y += rule.weight[j] * chord.s;
-        part.z += rule.weight[j] * chord.m;
+        part.add(rule.weight[j],
+                 chord_moments<typename Face::Chord>(kernel, c2, flank.yb, height, reach), x);
       }
-      sum.f += panel * part.f;
-      sum.x += panel * piece.sign * part.x;
-      sum.y += panel * part.y;
-      sum.z += panel * part.z;
+      sum.add_panel(panel, piece.sign, part);
     };
     const FlankPanels<K> decide(kernel, flank, piece, plane_gap2, reach);
     std::array<double, 8> cuts{};
@@ -182,32 +199,54 @@ void add_flank(const K& kernel, const Flank& flank, double plane_gap2, double re
   }
 }
 
+/// Where p is as seen from a triangle.
+struct FaceView {
+  Vec3d along, up, normal;
+  double z, height;
+  double plane_gap2;  ///< squared distance, in the plane, from the foot to the triangle
+  std::array<Flank, 2> flank;
+
+  FaceView(const Triangle& triangle, const Vec3d& p)
+      : FaceView(TriangleFrame<double>(triangle), triangle, p) {}
+
+ private:
+  FaceView(const TriangleFrame<double>& frame, const Triangle& triangle, const Vec3d& p)
+      : along(frame.edge[0].along),
+        up(-frame.edge[0].outward),
+        normal(frame.normal),
+        height(frame.height) {
+    const Vec3d to_left = frame.vertex[0] - p;
+    const Vec3d to_right = frame.vertex[1] - p;
+    const Vec3d to_apex = frame.vertex[2] - p;
+    const bool left_nearer = squared_norm(to_left) < squared_norm(to_right);
+    const Vec3d& to_base = left_nearer ? to_left : to_right;
+    const bool apex_nearest = squared_norm(to_apex) < squared_norm(to_base);
+    z = -dot(apex_nearest ? to_apex : to_base, normal);
+    const double yb = dot(to_base, up);
+    const double x_left = dot(to_left, along);
+    const double x_right = dot(to_right, along);
+    const double x_apex = dot(to_apex, along);
+    const double gap = distance(triangle, p);
+    plane_gap2 = std::max(0.0, (gap - std::abs(z)) * (gap + std::abs(z)));
+    const double rest = frame.edge[0].length - frame.foot;
+    flank = {Flank{yb, z, x_left, x_apex, frame.foot, frame.height / frame.foot, 1.0},
+             Flank{yb, z, x_right, x_apex, rest, frame.height / rest, -1.0}};
+  }
+};
+
+template <class Moments, class K>
+Moments moments(const K& kernel, const FaceView& at, double reach) {
+  Moments sum;
+  if (!(at.height > 0.0)) return sum;
+  for (const Flank& flank : at.flank) add_flank(kernel, flank, at.plane_gap2, reach, sum);
+  return sum;
+}
+
 template <class K>
 Jet triangle_quadrature(const K& kernel, const Triangle& triangle, const Vec3d& p, double reach) {
-  const TriangleFrame<double> frame(triangle);
-  if (!(frame.height > 0.0)) return {};
-  const Vec3d& along = frame.edge[0].along;
-  const Vec3d up = -frame.edge[0].outward;
-  const Vec3d to_left = frame.vertex[0] - p;
-  const Vec3d to_right = frame.vertex[1] - p;
-  const Vec3d to_apex = frame.vertex[2] - p;
-  const bool left_nearer = squared_norm(to_left) < squared_norm(to_right);
-  const Vec3d& to_base = left_nearer ? to_left : to_right;
-  const bool apex_nearest = squared_norm(to_apex) < squared_norm(to_base);
-  const double z = -dot(apex_nearest ? to_apex : to_base, frame.normal);
-  const double yb = dot(to_base, up);
-  const double x_left = dot(to_left, along);
-  const double x_right = dot(to_right, along);
-  const double x_apex = dot(to_apex, along);
-  const double gap = distance(triangle, p);
-  const double plane_gap2 = std::max(0.0, (gap - std::abs(z)) * (gap + std::abs(z)));
-  const double rest = frame.edge[0].length - frame.foot;
-  FaceMoments sum;
-  add_flank(kernel, {yb, z, x_left, x_apex, frame.foot, frame.height / frame.foot, 1.0}, plane_gap2,
-            reach, sum);
-  add_flank(kernel, {yb, z, x_right, x_apex, rest, frame.height / rest, -1.0}, plane_gap2, reach,
-            sum);
-  return {sum.f, -sum.x * along - sum.y * up + (z * sum.z) * frame.normal};
+  const FaceView at(triangle, p);
+  const auto sum = moments<FaceMoments>(kernel, at, reach);
+  return {sum.f, -sum.x * at.along - sum.y * at.up + (at.z * sum.z) * at.normal};
 }
 
 }  // namespace detail

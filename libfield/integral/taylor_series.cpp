@@ -42,6 +42,29 @@ Series recentered(const Series& series, const Vec3d& offset, double scale) {
   return out;
 }
 
+Symmetric3 series_hessian(const Series& series, const Vec3d& x) {
+  // x^n with its first and second derivatives, by axis.
+  std::array<std::array<Vec3d, kTaylorOrder + 1>, 3> power{};
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    power[axis][0].x = 1.0;
+    for (std::size_t n = 1; n < power[axis].size(); ++n) {
+      const Vec3d& lower = power[axis][n - 1];
+      power[axis][n] = {x[axis] * lower.x, x[axis] * lower.y + lower.x,
+                        x[axis] * lower.z + 2.0 * lower.y};
+    }
+  }
+  Symmetric3 sum;
+  visit_powers([&](int a, int b, int c) {
+    const double k = series[series_index(a, b, c)];
+    const Vec3d& p = power[0][static_cast<std::size_t>(a)];
+    const Vec3d& q = power[1][static_cast<std::size_t>(b)];
+    const Vec3d& r = power[2][static_cast<std::size_t>(c)];
+    sum += k * Symmetric3{p.z * q.x * r.x, p.x * q.z * r.x, p.x * q.x * r.z,
+                          p.y * q.y * r.x, p.y * q.x * r.y, p.x * q.y * r.y};
+  });
+  return sum;
+}
+
 double second_derivative_bound(const Series& series) {
   // The norm is at most that of the matrix of bounds, which is at most its greatest row sum.
   std::array<double, 3> row{};

@@ -17,7 +17,7 @@
 #include <cstddef>
 #include <limits>
 
-#include "libfield/base/jet.h"
+#include "libfield/base/jet2.h"
 #include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
@@ -141,6 +141,9 @@ inline double series_remainder(double two_nu, double q, int order = kTaylorOrder
 
 /// The same polynomial about another centre and in another unit: x = offset + scale x'.
 Series recentered(const Series& series, const Vec3d& offset, double scale);
+
+/// The second derivative of a series at x.
+Symmetric3 series_hessian(const Series& series, const Vec3d& x);
 
 /// An upper bound of the operator norm of the second derivative where all |x_i| <= 1.
 double second_derivative_bound(const Series& series);

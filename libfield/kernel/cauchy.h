@@ -27,6 +27,13 @@ struct Cauchy {
     const T w = T(1) / (T(1) + T(s) * T(s) * u);
     return T(-2) * T(amplitude) * T(s) * T(s) * w * w * w;
   }
+  /// d^2h/du^2 = 6 A s^4 q^-4.
+  template <class T>
+  T curvature(const T& u) const {
+    const T w = T(1) / (T(1) + T(s) * T(s) * u);
+    const T w2 = T(s) * T(s) * w * w;
+    return T(6) * T(amplitude) * w2 * w2;
+  }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {

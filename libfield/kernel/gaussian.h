@@ -32,6 +32,11 @@ struct Gaussian {
   T slope(const T& u) const {
     return -T(a) * T(a) * profile(u);
   }
+  /// d^2h/du^2 = a^4 h.
+  template <class T>
+  T curvature(const T& u) const {
+    return -T(a) * T(a) * slope(u);
+  }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {

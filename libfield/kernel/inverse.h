@@ -31,6 +31,13 @@ struct Inverse {
     if (u < T(clamp) * T(clamp)) return T(0);
     return -T(amplitude) / (T(2) * u * sqrt(u));
   }
+  /// d^2h/du^2.
+  template <class T>
+  T curvature(const T& u) const {
+    using std::sqrt;
+    if (u < T(clamp) * T(clamp)) return T(0);
+    return T(3) * T(amplitude) / (T(4) * u * u * sqrt(u));
+  }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r, infinite at 0 if clamp is 0.
   double derivative_envelope(int order, double r) const {

@@ -35,6 +35,17 @@ struct Metaball {
     const T outer = T(-1.5) * scale * (T(1) - y) / select(inner, T(1), y);
     return select(inner, T(T(-3) * scale), select(y < T(1), outer, T(0)));
   }
+  /// d^2h/du^2 = (3/4) A / (R^4 y^3) for 1/3 < y < 1, else 0: it jumps at both radii.
+  template <class T>
+  T curvature(const T& u) const {
+    using std::sqrt;
+    const T y = sqrt(u) / T(radius);
+    const T per_square = T(1) / (T(radius) * T(radius));
+    const auto inner = T(3) * y <= T(1);  // where y may be 0
+    const T away = select(inner, T(1), y);
+    const T outer = T(0.75) * T(amplitude) * per_square * per_square / (away * away * away);
+    return select(inner, T(0), select(y < T(1), outer, T(0)));
+  }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {

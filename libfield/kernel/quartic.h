@@ -28,6 +28,13 @@ struct Quartic {
     const T v = height(u);
     return T(-2) * T(amplitude) * v / (T(radius) * T(radius));
   }
+  /// d^2h/du^2, which jumps at R.
+  template <class T>
+  T curvature(const T& u) const {
+    const T per_square = T(1) / (T(radius) * T(radius));
+    const T inside = T(2) * T(amplitude) * (per_square * per_square);
+    return select(height(u) > T(0), inside, T(0));
+  }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {

@@ -30,6 +30,14 @@ struct Soft {
     const T v = height(u);
     return -T(amplitude) * v * (T(10) + T(12) * v) / (T(9) * T(radius) * T(radius));
   }
+  /// d^2h/du^2, which jumps at R.
+  template <class T>
+  T curvature(const T& u) const {
+    const T v = height(u);
+    const T per_square = T(1) / (T(radius) * T(radius));
+    const T inside = T(amplitude) * (T(10) + T(24) * v) * (per_square * per_square) / T(9);
+    return select(v > T(0), inside, T(0));
+  }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
   /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {

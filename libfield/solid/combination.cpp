@@ -6,6 +6,19 @@
 #include "libfield/base/check.h"
 
 namespace cs2mesh {
+namespace {
+
+/// Takes over from `other` where that decides.
+template <class Out>
+void decide(CombinationKind kind, std::span<const Out> other, std::span<Out> out) {
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const bool decides = kind == CombinationKind::intersection ? other[i].value < out[i].value
+                                                               : other[i].value > out[i].value;
+    if (decides) out[i] = other[i];
+  }
+}
+
+}  // namespace
 
 Combination::Combination(CombinationKind kind,
                          std::vector<std::shared_ptr<const ImplicitSurface>> parts)
@@ -30,11 +43,16 @@ void Combination::jets(std::span<const Vec3d> points, std::span<Jet> out) const 
   std::vector<Jet> other(points.size());
   for (std::size_t k = 1; k < parts_.size(); ++k) {
     parts_[k]->jets(points, other);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-      const bool decides = kind_ == CombinationKind::intersection ? other[i].value < out[i].value
-                                                                  : other[i].value > out[i].value;
-      if (decides) out[i] = other[i];
-    }
+    decide<Jet>(kind_, other, out);
+  }
+}
+
+void Combination::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const {
+  parts_[0]->second_jets(points, out);
+  std::vector<Jet2> other(points.size());
+  for (std::size_t k = 1; k < parts_.size(); ++k) {
+    parts_[k]->second_jets(points, other);
+    decide<Jet2>(kind_, other, out);
   }
 }
 

@@ -14,6 +14,10 @@ void HalfSpace::jets(std::span<const Vec3d> points, std::span<Jet> out) const {
   for (std::size_t i = 0; i < points.size(); ++i) out[i] = {at(points[i]), -normal_};
 }
 
+void HalfSpace::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const {
+  for (std::size_t i = 0; i < points.size(); ++i) out[i] = {at(points[i]), -normal_, {}};
+}
+
 Interval HalfSpace::enclose(const Aabb& box) const {
   const Vec3d half = 0.5 * box.extent();
   const double reach =

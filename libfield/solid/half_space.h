@@ -12,6 +12,7 @@ class HalfSpace final : public ImplicitSurface {
 
   void values(std::span<const Vec3d> points, std::span<double> out) const override;
   void jets(std::span<const Vec3d> points, std::span<Jet> out) const override;
+  void second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const override;
   Interval enclose(const Aabb& box) const override;
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
   double derivative_bound(int order, const Aabb& box) const override;

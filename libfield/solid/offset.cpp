@@ -31,23 +31,70 @@ Vec3d nearest_point(const Arc& arc, const Vec3d& p) {
   return arc.center + arc.radius * (std::cos(angle) * arc.ex + std::sin(angle) * arc.ey);
 }
 
-Vec3d nearest_point(const Triangle& triangle, const Vec3d& p) {
+/// Inside the prism over the triangle the foot is the projection, elsewhere it is on an edge.
+bool is_above(const Triangle& triangle, const Vec3d& p) {
   const auto& [a, b, c] = triangle.vertex;
   const Vec3d n = cross(b - a, c - a);
-  // Inside the prism over the triangle the foot is the projection, elsewhere it is on an edge.
-  const bool above = dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
-                     dot(cross(a - c, p - c), n) >= 0;
-  if (above) return p - (dot(p - a, n) / squared_norm(n)) * n;
-  Vec3d best = nearest_point(Segment{a, b}, p);
+  return dot(cross(b - a, p - a), n) >= 0 && dot(cross(c - b, p - b), n) >= 0 &&
+         dot(cross(a - c, p - c), n) >= 0;
+}
+
+Segment nearest_edge(const Triangle& triangle, const Vec3d& p) {
+  const auto& [a, b, c] = triangle.vertex;
+  Segment best{a, b};
   for (const Segment& edge : {Segment{b, c}, Segment{c, a}}) {
-    const Vec3d q = nearest_point(edge, p);
-    if (squared_norm(q - p) < squared_norm(best - p)) best = q;
+    if (squared_norm(nearest_point(edge, p) - p) < squared_norm(nearest_point(best, p) - p)) {
+      best = edge;
+    }
   }
   return best;
 }
 
+Vec3d nearest_point(const Triangle& triangle, const Vec3d& p) {
+  if (!is_above(triangle, p)) return nearest_point(nearest_edge(triangle, p), p);
+  const auto& [a, b, c] = triangle.vertex;
+  const Vec3d n = cross(b - a, c - a);
+  return p - (dot(p - a, n) / squared_norm(n)) * n;
+}
+
 Vec3d nearest_point(const Plane& plane, const Vec3d& p) {
   return p - dot(p - plane.point, plane.normal) * plane.normal;
+}
+
+// The second derivative of the distance at p, whose nearest point is `nearest`: with e the unit
+// vector from there, (I - e e^T - what runs along the primitive) / distance.
+
+Symmetric3 distance_hessian(const Point& /*point*/, const Vec3d& p, const Vec3d& nearest) {
+  const double d = norm(p - nearest);
+  return (1 / d) * (multiple_of_unit(1.0) - squared((p - nearest) / d));
+}
+
+Symmetric3 distance_hessian(const Segment& segment, const Vec3d& p, const Vec3d& nearest) {
+  const Symmetric3 round = distance_hessian(Point{nearest}, p, nearest);
+  if (nearest == segment.a || nearest == segment.b) return round;
+  return round - (1 / norm(p - nearest)) * squared(normalized(segment.b - segment.a));
+}
+
+/// Beside the arc the circle bends away: along it 1 / rho of the part of e that is away from the
+/// axis.
+Symmetric3 distance_hessian(const Arc& arc, const Vec3d& p, const Vec3d& nearest) {
+  const Vec3d d = p - arc.center;
+  const double x = dot(d, arc.ex), y = dot(d, arc.ey), rho = std::hypot(x, y);
+  const Symmetric3 round = distance_hessian(Point{nearest}, p, nearest);
+  if (!(std::abs(std::atan2(y, x)) < 0.5 * arc.sweep) || !(rho > 0)) return round;
+  const Vec3d around = (x / rho) * arc.ey - (y / rho) * arc.ex;
+  const double distance = norm(p - nearest);
+  const double bend = (rho - arc.radius) / (distance * rho);
+  return round + (bend - 1 / distance) * squared(around);
+}
+
+Symmetric3 distance_hessian(const Triangle& triangle, const Vec3d& p, const Vec3d& nearest) {
+  if (is_above(triangle, p)) return {};
+  return distance_hessian(nearest_edge(triangle, p), p, nearest);
+}
+
+Symmetric3 distance_hessian(const Plane& /*plane*/, const Vec3d& /*p*/, const Vec3d& /*nearest*/) {
+  return {};
 }
 
 /// sup |D^2 distance| over the points of a ball, none of which is nearer than `nearest`: the
@@ -94,6 +141,25 @@ Jet Offset::jet_at(const Vec3d& p) const {
   if (!(distance > 0)) return {radius_, {}};
   const Vec3d gradient = -(away / distance);
   return {radius_ - distance, to_local_ ? transpose(to_local_->linear) * gradient : gradient};
+}
+
+Symmetric3 Offset::hessian_at(const Vec3d& p) const {
+  const Vec3d local = to_local_ ? (*to_local_)(p) : p;
+  return std::visit(
+      [&](const auto& primitive) -> Symmetric3 {
+        const Vec3d nearest = nearest_point(primitive, local);
+        if (!(norm(local - nearest) > 0)) return {};
+        const Symmetric3 h = -1.0 * distance_hessian(primitive, local, nearest);
+        return to_local_ ? congruent(h, to_local_->linear) : h;
+      },
+      primitive_);
+}
+
+void Offset::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const {
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Jet jet = jet_at(points[i]);
+    out[i] = {jet.value, jet.gradient, hessian_at(points[i])};
+  }
 }
 
 void Offset::values(std::span<const Vec3d> points, std::span<double> out) const {

@@ -11,7 +11,7 @@
 namespace cs2mesh {
 
 /// A sphere, a capsule, an arc tube with round ends, a thick triangle with a round rim, a slab.
-/// The gradient is 0 on the primitive itself, where F has its ridge.
+/// Gradient and second derivative are 0 on the primitive itself, where F has its ridge.
 class Offset final : public ImplicitSurface {
  public:
   /// `to_local`: M^-1 where the solid is transformed by M, none for the identity; radius > 0.
@@ -19,6 +19,7 @@ class Offset final : public ImplicitSurface {
 
   void values(std::span<const Vec3d> points, std::span<double> out) const override;
   void jets(std::span<const Vec3d> points, std::span<Jet> out) const override;
+  void second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const override;
   Interval enclose(const Aabb& box) const override;
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
   double derivative_bound(int order, const Aabb& box) const override;
@@ -27,6 +28,7 @@ class Offset final : public ImplicitSurface {
 
  private:
   Jet jet_at(const Vec3d& p) const;
+  Symmetric3 hessian_at(const Vec3d& p) const;
 
   Primitive primitive_;
   double radius_;

@@ -63,6 +63,23 @@ constexpr Case kCases[] = {{KernelKind::cauchy, false},  {KernelKind::cauchy, tr
                            {KernelKind::inverse, false}, {KernelKind::inverse, true},
                            {KernelKind::squared, false}, {KernelKind::squared, true}};
 
+TEST(FarField, HasTheSecondDerivativeOfItsTerms) {
+  const std::vector<Vec3d> points = places(40);
+  for (const Case& c : kCases) {
+    const std::vector<Term> terms = clumps(c.kind, c.points, 600, 4);
+    const Field field(terms, kBudget);
+    std::vector<Jet2> jets(points.size());
+    field.second_jets(points, jets);
+    std::vector<Symmetric3> exact(points.size());
+    for (const Term& term : terms) accumulate(term, points, std::span(exact));
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      // What is approximated is at least one of the smaller cells' edges, some 0.1, away.
+      EXPECT_LE(norm(jets[i].hessian - exact[i]), 100 * kBudget + 1e-12 * norm(exact[i]))
+          << name_of(c.kind) << " " << i << ", norm " << norm(exact[i]);
+    }
+  }
+}
+
 TEST(FarField, KeepsTheErrorBudgetWithEveryInstructionSet) {
   const std::vector<Vec3d> points = places(150);
   for (const Case& c : kCases) {
