@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <limits>
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
@@ -36,9 +37,11 @@ struct Metaball {
     return select(inner, T(T(-3) * scale), select(y < T(1), outer, T(0)));
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r. Infinite for
+  /// orders 3 and 4 up to the support's edge, where the curvature jumps.
   double derivative_envelope(int order, double r) const {
     if (r > radius) return 0.0;
+    if (order > 2) return std::numeric_limits<double>::infinity();
     const double y = std::max(r / radius, 1.0 / 3.0);
     const double rest = std::max(0.0, 1.0 - y) + 4e-16;  // rounding near the edge, where h is tiny
     if (order == 0 && 3.0 * r < radius) return rounded_up(profile(r * r));

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
@@ -31,9 +32,11 @@ struct Soft {
     return -T(amplitude) * v * (T(10) + T(12) * v) / (T(9) * T(radius) * T(radius));
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r. Infinite for
+  /// orders 3 and 4 up to the support's edge, where the curvature jumps.
   double derivative_envelope(int order, double r) const {
     if (r > radius) return 0.0;
+    if (order > 2) return std::numeric_limits<double>::infinity();
     const double y = r / radius;
     const double v = std::max(0.0, (1.0 - y) * (1.0 + y)) + 8e-16;  // rounding near the edge
     if (order == 0) return rounded_up(amplitude * v * v * (5.0 + 4.0 * v) / 9.0);
