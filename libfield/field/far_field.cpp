@@ -96,6 +96,7 @@ struct FarField::Cell {
   Series series{};       ///< of (p - center) / half
   double size = 0.0;     ///< sum of the absolute values of its coefficients
   double hessian = 0.0;  ///< >= the norm of its second derivative
+  double third = 0.0;    ///< and of its third
   /// What is not in the series: nodes of the source tree, and elements.
   std::vector<std::uint32_t> nodes, elements;
   std::size_t listed = 0;           ///< elements in all of them
@@ -349,7 +350,8 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
   Sorter sorter(*this, cell);
   sorter.sort(nodes, elements);
   for (const double c : cell.series) cell.size += std::abs(c);
-  cell.hessian = second_derivative_bound(cell.series) / (cell.half * cell.half);
+  cell.hessian = cs2mesh::derivative_bound(cell.series, 2) / (cell.half * cell.half);
+  cell.third = cs2mesh::derivative_bound(cell.series, 3) / (cell.half * cell.half * cell.half);
   // Where all is close together, smaller cells do not help; nor where a cell holds so little of
   // the surface that its points are summed before finer cells are set up.
   const bool stuck = cell.level > 4 && 5 * cell.listed > 4 * listed;
@@ -490,6 +492,25 @@ void FarField::add(std::span<const Vec3d> points, std::span<double> sums) const 
 
 // ---- Bounds ----
 
+void FarField::add_series(const Cell& cell, const BoxBatch& batch, std::span<SumBound> sums) const {
+  std::vector<Vec3d> points;
+  batch.append_points(0, sums.size(), points);
+  std::vector<Jet> jets(points.size());
+  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, points.data(),
+                                 jets.data(), jets.size());
+  const std::size_t stride = batch.stride();
+  const double rounding = 1e-13 * cell.size;
+  for (std::size_t i = 0; i < sums.size(); ++i) {
+    const BatchBox& box = batch.boxes[i];
+    const std::span<const Jet> own(jets.data() + stride * i, stride);
+    const double first = 0.5 * cell.hessian * box.radius * box.radius;
+    const double second = second_remainder(box, cell.third, cell.third, rounding / cell.half);
+    sums[i].add_polynomial(1.0, stride > 1 && second < first ? own : own.first(1), box);
+    sums[i].remainder += stride > 1 ? std::min(first, second) : first;
+    sums[i].rounding += rounding * (1 + box.radius / cell.half);
+  }
+}
+
 std::size_t FarField::add_bounds(const BoxBatch& batch, double negligible,
                                  std::span<SumBound> sums) const {
   std::size_t looked_at = 0;
@@ -517,14 +538,7 @@ std::size_t FarField::add_bounds(const BoxBatch& batch, double negligible,
     return looked_at;
   }
   const Cell& cell = smallest_around(batch.hull);
-  std::vector<Jet> jets(sums.size());
-  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, batch.centers.data(),
-                                 jets.data(), jets.size());
-  for (std::size_t i = 0; i < sums.size(); ++i) {
-    sums[i].center += jets[i];
-    sums[i].hessian += cell.hessian;
-    sums[i].rounding += 1e-13 * cell.size;
-  }
+  add_series(cell, batch, sums);
   for (const std::uint32_t node : cell.nodes) add_node(add_node, node);
   for (const std::uint32_t element : cell.elements) add_element(element);
   return looked_at + 1;
@@ -554,17 +568,17 @@ std::array<Interval, 3> FarField::gradient_bound(const Aabb& box) const {
   return sum;
 }
 
-double FarField::hessian_bound(const Aabb& box) const {
+double FarField::derivative_bound(int order, const Aabb& box) const {
   double sum = 0.0;
   const auto add_element = [&](std::uint32_t element) {
-    sum += cs2mesh::hessian_bound((*terms_)[tree_.elements()[element].term], box);
+    sum += cs2mesh::derivative_bound((*terms_)[tree_.elements()[element].term], order, box);
   };
   if (!root_->holds(box)) {
     for (std::uint32_t i = 0; i < tree_.elements().size(); ++i) add_element(i);
     return sum;
   }
   const Cell& cell = smallest_around(box);
-  sum += cell.hessian;
+  sum += cs2mesh::derivative_bound(cell.series, order) / std::pow(cell.half, order) * (1 + 1e-14);
   visit_unresolved(cell, add_element);
   return sum;
 }

@@ -44,8 +44,9 @@ class FarField {
   std::size_t add_bounds(const BoxBatch& batch, double negligible, std::span<SumBound> sums) const;
   /// Contains the gradient over the box, the approximation not counted.
   std::array<Interval, 3> gradient_bound(const Aabb& box) const;
-  /// >= the norm of the second derivative on the box, the approximation not counted.
-  double hessian_bound(const Aabb& box) const;
+  /// >= the norm of the derivative of that order (2, 3, 4) on the box, the approximation not
+  /// counted.
+  double derivative_bound(int order, const Aabb& box) const;
 
   /// Appends the terms whose field may exceed `least` somewhere in the box.
   void collect(const Aabb& box, double least, std::vector<std::uint32_t>& terms) const;
@@ -65,6 +66,7 @@ class FarField {
   void fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
             const std::vector<std::uint32_t>& elements, std::size_t listed) const;
   bool holds_few(const Cell& cell) const;
+  void add_series(const Cell& cell, const BoxBatch& batch, std::span<SumBound> sums) const;
   std::unique_ptr<Cell> make_root(const Aabb& domain) const;
   std::unique_ptr<Cell> make_child(const Cell& parent, int octant) const;
   const Cell& child(const Cell& parent, int octant) const;

@@ -291,15 +291,50 @@ void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
   add_terms<Jet>(*data_, all, points, out);
 }
 
-Interval Field::enclose(const Aabb& box) const {
+/// What is left open of F over a box.
+struct Field::Enclosure {
   Interval range;
-  enclose_each({&box, 1}, {&range, 1});
-  return range;
+  double remainder = 0.0;  ///< the part of Taylor's remainders in half the width
+
+  /// Whether polynomials of second order may well leave much less open.
+  bool may_narrow() const { return 2 * remainder > kSmallPart * range.width(); }
+  static constexpr double kSmallPart = 0.1;
+};
+
+Interval Field::enclose(const Aabb& box) const {
+  const BatchBox one(box);
+  Enclosure enclosure;
+  enclose_batch({&one, 1}, TaylorOrder::first, {&enclosure, 1});
+  if (!enclosure.may_narrow()) return enclosure.range;
+  Enclosure second;
+  enclose_batch({&one, 1}, TaylorOrder::second, {&second, 1});
+  return intersection(enclosure.range, second.range);
 }
 
 void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const {
   require(boxes.size() == out.size(), "one interval a box");
-  const BoxBatch batch(boxes);
+  std::vector<BatchBox> batch(boxes.begin(), boxes.end());
+  std::vector<Enclosure> enclosures(boxes.size());
+  enclose_batch(batch, TaylorOrder::first, enclosures);
+  std::vector<BatchBox> open;
+  std::vector<std::size_t> place;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    out[i] = enclosures[i].range;
+    if (!enclosures[i].may_narrow()) continue;
+    open.push_back(batch[i]);
+    place.push_back(i);
+  }
+  if (open.empty()) return;
+  enclosures.assign(open.size(), {});
+  enclose_batch(open, TaylorOrder::second, enclosures);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    out[place[k]] = intersection(out[place[k]], enclosures[k].range);
+  }
+}
+
+void Field::enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
+                          std::span<Enclosure> out) const {
+  const BoxBatch batch(boxes, order);
   require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
   std::vector<std::uint32_t> list;
   near_terms(batch.hull, list);
@@ -310,8 +345,8 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   std::size_t terms = list.size();
   for (const FarField& far : data_->far) terms += far.add_bounds(batch, negligible, sums);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    out[i] =
-        widened(range_of(sums[i], terms, boxes[i]) - Interval(kThreshold), data_->error_budget);
+    const Interval range = range_of(sums[i], terms, boxes[i]) - Interval(kThreshold);
+    out[i] = {widened(range, data_->error_budget), sums[i].remainder};
   }
 }
 
@@ -329,7 +364,7 @@ std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {
-  require(order == 1 || order == 2, "derivative bounds exist for orders 1 and 2");
+  require(1 <= order && order <= 4, "derivative bounds exist for orders 1 to 4");
   if (order == 1) {
     const std::array<Interval, 3> g = enclose_gradient(box);
     return norm(Vec3d{g[0].magnitude(), g[1].magnitude(), g[2].magnitude()});
@@ -338,10 +373,10 @@ double Field::derivative_bound(int order, const Aabb& box) const {
   near_terms(box, list);
   double sum = 0;
   for (const std::uint32_t i : list) {
-    sum += hessian_bound(data_->terms[i], box);
+    sum += cs2mesh::derivative_bound(data_->terms[i], order, box);
     if (sum == kInfinity) return sum;
   }
-  for (const FarField& far : data_->far) sum += far.hessian_bound(box);
+  for (const FarField& far : data_->far) sum += far.derivative_bound(order, box);
   return sum;
 }
 

@@ -9,6 +9,7 @@
 #include "libfield/field/compile.h"
 #include "libfield/field/implicit_surface.h"
 #include "libfield/field/term.h"
+#include "libfield/field/term_bounds.h"
 
 namespace cs2mesh {
 
@@ -49,9 +50,13 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   std::size_t term_count() const;
 
  private:
+  struct Enclosure;
+
   Field() = default;
   template <class Out>
   void evaluate(std::span<const Vec3d> points, std::span<Out> out) const;
+  void enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
+                     std::span<Enclosure> out) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
 
   std::shared_ptr<const FieldData> data_;

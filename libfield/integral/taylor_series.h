@@ -135,7 +135,7 @@ inline double series_remainder(double two_nu, double q, int order = kTaylorOrder
 /// The same polynomial about another centre and in another unit: x = offset + scale x'.
 Series recentered(const Series& series, const Vec3d& offset, double scale);
 
-/// An upper bound of the operator norm of the second derivative where all |x_i| <= 1.
-double second_derivative_bound(const Series& series);
+/// An upper bound of the operator norm of the derivative of that order >= 1 where all |x_i| <= 1.
+double derivative_bound(const Series& series, int order);
 
 }  // namespace cs2mesh
