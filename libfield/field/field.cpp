@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "libfield/field/far_field.h"
@@ -291,24 +292,67 @@ void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
   add_terms<Jet>(*data_, all, points, out);
 }
 
-/// What is left open of F over a box.
+/// What is known of F over a box.
 struct Field::Enclosure {
   Interval range;
   double remainder = 0.0;  ///< the part of Taylor's remainders in half the width
 
-  /// Whether polynomials of second order may well leave much less open.
-  bool may_narrow() const { return 2 * remainder > kSmallPart * range.width(); }
-  static constexpr double kSmallPart = 0.1;
+  /// The true range is at least as wide as the polynomial's without the remainder, up to what terms
+  /// outside of it leave open: up to this part, at least half as wide as `range`.
+  bool loose(double width) const { return 2 * remainder > 0.25 * width; }
+  /// Whether the polynomial alone would tell the sign.
+  bool hangs_on_remainder() const {
+    return range.contains(0.0) && (range.lo + remainder > 0 || range.hi - remainder < 0);
+  }
 };
 
 Interval Field::enclose(const Aabb& box) const {
   const BatchBox one(box);
-  Enclosure enclosure;
-  enclose_batch({&one, 1}, TaylorOrder::first, {&enclosure, 1});
-  if (!enclosure.may_narrow()) return enclosure.range;
+  Enclosure whole;
+  enclose_batch({&one, 1}, TaylorOrder::first, {&whole, 1});
+  if (!whole.loose(whole.range.width())) return whole.range;
   Enclosure second;
   enclose_batch({&one, 1}, TaylorOrder::second, {&second, 1});
-  return intersection(enclosure.range, second.range);
+  whole = {intersection(whole.range, second.range), std::min(whole.remainder, second.remainder)};
+  return whole.loose(whole.range.width()) ? enclose_in_parts(box, whole) : whole.range;
+}
+
+/// Halves the box along every axis, then those of its parts that decide how far the range extends.
+Interval Field::enclose_in_parts(const Aabb& box, const Enclosure& whole) const {
+  constexpr int kMostRounds = 2;
+  Interval range = whole.range;
+  std::vector<std::pair<Aabb, Enclosure>> loose{{box, whole}};
+  std::optional<Interval> settled;
+  const auto settle = [&settled](const Interval& part) {
+    settled = settled ? hull(*settled, part) : part;
+  };
+  for (int round = 0; round < kMostRounds && !loose.empty(); ++round) {
+    std::vector<BatchBox> parts;
+    for (const auto& [parent, enclosure] : loose) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d center = parent.center(), end = parent.corner(corner);
+        parts.emplace_back(Aabb{min(center, end), max(center, end)});
+      }
+    }
+    std::vector<Enclosure> enclosures(parts.size());
+    enclose_batch(parts, TaylorOrder::second, enclosures);
+    std::optional<Interval> all = settled;
+    for (const Enclosure& part : enclosures) all = all ? hull(*all, part.range) : part.range;
+    range = intersection(range, *all);
+    loose.clear();
+    const double width = range.width();
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const Enclosure& part = enclosures[i];
+      const bool decides =
+          part.range.lo < range.lo + 0.125 * width || part.range.hi > range.hi - 0.125 * width;
+      if (decides && part.loose(width)) {
+        loose.emplace_back(parts[i].box, part);
+      } else {
+        settle(part.range);
+      }
+    }
+  }
+  return range;
 }
 
 void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const {
@@ -320,7 +364,7 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   std::vector<std::size_t> place;
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     out[i] = enclosures[i].range;
-    if (!enclosures[i].may_narrow()) continue;
+    if (!enclosures[i].hangs_on_remainder()) continue;
     open.push_back(batch[i]);
     place.push_back(i);
   }

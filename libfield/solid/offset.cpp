@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <type_traits>
 
 #include "libfield/base/check.h"
 #include "libfield/primitive/nearest_point.h"
@@ -36,6 +37,19 @@ double curvature_bound(const Arc& arc, const Vec3d& center, double ball_radius, 
   const bool full = arc.sweep >= 2 * std::numbers::pi;
   const bool behind = x < ball_radius && std::abs(y) <= ball_radius;
   return behind && !full ? kInfinity : std::max(1 / nearest, 1 / rho);
+}
+
+/// sup |D^order distance| for orders 3 and 4 where nothing is nearer than `nearest`. Along a line
+/// whose cosine with the ray from a point is c it is 3 c (1 - c^2) / r^2, then
+/// 3 (1 - 6 c^2 + 5 c^4) / r^3. The curvature of the distance to most shapes jumps where the
+/// nearest point passes from a side to an end.
+template <class P>
+double higher_bound(const P& /*primitive*/, int order, double nearest) {
+  if (!(nearest > 0)) return kInfinity;
+  if (std::is_same_v<P, Plane>) return 0.0;
+  if (!std::is_same_v<P, Point>) return kInfinity;
+  const double most = order == 3 ? 2.0 / std::numbers::sqrt3 : 3.0;
+  return most / (order == 3 ? nearest * nearest : nearest * nearest * nearest) * (1 + 1e-14);
 }
 
 }  // namespace
@@ -78,10 +92,11 @@ double Offset::derivative_bound(int order, const Aabb& box) const {
   const Vec3d center = to_local_ ? (*to_local_)(box.center()) : box.center();
   const double ball = 0.5 * box.diagonal() * stretch_ * (1 + 1e-15);
   const double nearest = (radius_ - jet_at(box.center()).value) * (1 - 1e-14) - ball;
-  return stretch_ * stretch_ *
+  return std::pow(stretch_, order) * (1 + 1e-14) *
          std::visit(
              [&](const auto& primitive) {
-               return curvature_bound(primitive, center, ball, nearest);
+               return order == 2 ? curvature_bound(primitive, center, ball, nearest)
+                                 : higher_bound(primitive, order, nearest);
              },
              primitive_);
 }
