@@ -28,30 +28,78 @@ std::array<Interval, 3> to_world_gradient(const Term& term, const std::array<Int
   return world;
 }
 
+/// Bounds of the gradient of the term from those of the integral's, in local coordinates.
+template <class K, class P>
+std::array<Interval, 3> weighted(const Term& term, const K& kernel, const P& primitive,
+                                 const LocalBox& local, std::array<Interval, 3> gradient) {
+  if (!term.profiles.empty()) {
+    const Interval field = integral_range(kernel, primitive, reach(term, primitive, local));
+    const WeightBound weight = weight_bound(term, primitive, local);
+    for (std::size_t i = 0; i < 3; ++i) {
+      gradient[i] = weight.w * gradient[i] + field * weight.gradient[i];
+    }
+  }
+  for (Interval& component : gradient) component = Interval(term.sign) * component;
+  return to_world_gradient(term, gradient);
+}
+
 }  // namespace
 
-std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box) {
-  const LocalBox local = local_box(term, box);
-  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+std::array<Interval, 3> GradientSum::bound(const BatchBox& box) const {
+  const Symmetric3& h = hessian;
+  const auto along = [&](double x, double y, double z) {
+    return std::abs(x) * box.half.x + std::abs(y) * box.half.y + std::abs(z) * box.half.z;
+  };
+  const Vec3d turn{along(h.xx, h.xy, h.xz), along(h.xy, h.yy, h.yz), along(h.xz, h.yz, h.zz)};
+  std::array<Interval, 3> all;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double margin = (turn[i] + remainder) * (1 + 1e-12) + 1e-13 * std::abs(center[i]);
+    all[i] = intersection(plain[i], widened(range[i] + Interval(center[i]), margin));
+  }
+  return all;
+}
+
+void add_gradient_bound(const Term& term, const BatchBox& box, GradientSum& sum) {
+  const LocalBox local = local_box(term, box.box);
+  visit_pair(term, [&](const auto& kernel, const auto& primitive) {
     const Gap g = gap(term, primitive, local.center, local.half, local.radius);
-    const double slope = near_bound(kernel, primitive, 1, g.near(1.0));
-    const double turn = local.radius * (0.5 * near_bound(kernel, primitive, 2, g.near(0.5)) +
-                                        0.5 * near_bound(kernel, primitive, 2, g.near(1.0)));
-    std::array<Interval, 3> gradient = ball({}, slope);
-    if (turn < slope) {
-      const Jet center = integral_of(term, kernel, primitive, local.center);
-      const std::array<Interval, 3> near = ball(center.gradient, turn);
-      for (std::size_t i = 0; i < 3; ++i) gradient[i] = intersection(gradient[i], near[i]);
-    }
-    if (!term.profiles.empty()) {
-      const Interval field = integral_range(kernel, primitive, reach(term, primitive, local));
-      const WeightBound weight = weight_bound(term, primitive, local);
+    const auto at = [&](int order, double t) {
+      return near_bound(kernel, primitive, order, g.near(t));
+    };
+    const double slope = at(1, 1.0);
+    const double inner_turn = at(2, 0.5);
+    const double turn = local.radius * 0.5 * (inner_turn + at(2, 1.0));
+    std::array<Interval, 3> plain = ball({}, slope);
+    if (!(turn < slope)) {
+      plain = weighted(term, kernel, primitive, local, plain);
       for (std::size_t i = 0; i < 3; ++i) {
-        gradient[i] = weight.w * gradient[i] + field * weight.gradient[i];
+        sum.plain[i] = sum.plain[i] + plain[i];
+        sum.range[i] = sum.range[i] + plain[i];
       }
+      return;
     }
-    for (Interval& component : gradient) component = Interval(term.sign) * component;
-    return to_world_gradient(term, gradient);
+    std::vector<Vec3d> points;
+    BoxBatch({&box, 1}, TaylorOrder::second).append_points(0, 1, points);
+    std::array<Jet, 4> jets;
+    local_jets(term, kernel, primitive, points, jets);
+    const double error = gradient_error(condition_number(primitive), norm(jets[0].gradient),
+                                        inner_turn, g.distance + size(primitive));
+    const std::array<Interval, 3> near = ball(jets[0].gradient, turn + error);
+    for (std::size_t i = 0; i < 3; ++i) plain[i] = intersection(plain[i], near[i]);
+    plain = weighted(term, kernel, primitive, local, plain);
+    for (std::size_t i = 0; i < 3; ++i) sum.plain[i] = sum.plain[i] + plain[i];
+    if (!term.profiles.empty()) {
+      for (std::size_t i = 0; i < 3; ++i) sum.range[i] = sum.range[i] + plain[i];
+      return;
+    }
+    for (Jet& jet : jets) jet.gradient = to_world_gradient(term, jet.gradient);
+    sum.center += term.sign * jets[0].gradient;
+    const double cubed = local.stretch * local.stretch * local.stretch;
+    const double second = second_gradient_remainder(box, cubed * at(3, 0.5), cubed * at(3, 1.0),
+                                                    error * local.stretch);
+    const double first = (turn + error) * local.stretch;
+    sum.remainder += std::min(first, second);
+    if (second < first) sum.hessian += term.sign * difference_quotient(jets, box);
   });
 }
 

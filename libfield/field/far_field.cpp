@@ -544,28 +544,29 @@ std::size_t FarField::add_bounds(const BoxBatch& batch, double negligible,
   return looked_at + 1;
 }
 
-std::array<Interval, 3> FarField::gradient_bound(const Aabb& box) const {
-  std::array<Interval, 3> sum{};
-  const auto add = [&](const std::array<Interval, 3>& g) {
-    for (std::size_t i = 0; i < 3; ++i) sum[i] = sum[i] + g[i];
-  };
+void FarField::add_gradient_bound(const BatchBox& box, GradientSum& sum) const {
   const auto add_element = [&](std::uint32_t element) {
-    add(cs2mesh::gradient_bound((*terms_)[tree_.elements()[element].term], box));
+    cs2mesh::add_gradient_bound((*terms_)[tree_.elements()[element].term], box, sum);
   };
-  if (!root_->holds(box)) {
+  if (!root_->holds(box.box)) {
     for (std::uint32_t i = 0; i < tree_.elements().size(); ++i) add_element(i);
-    return sum;
+    return;
   }
-  const Cell& cell = smallest_around(box);
-  const Vec3d center = box.center();
-  Jet jet;
-  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, &center, &jet, 1);
-  const double turn =
-      0.5 * box.diagonal() * cell.hessian * (1 + 1e-12) + 1e-13 * cell.size / cell.half;
-  add({widened(Interval(jet.gradient.x), turn), widened(Interval(jet.gradient.y), turn),
-       widened(Interval(jet.gradient.z), turn)});
+  const Cell& cell = smallest_around(box.box);
+  std::vector<Vec3d> points;
+  BoxBatch({&box, 1}, TaylorOrder::second).append_points(0, 1, points);
+  std::array<Jet, 4> jets;
+  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, points.data(),
+                                 jets.data(), jets.size());
+  const double error = 1e-13 * cell.size / cell.half;
+  const double first = box.radius * cell.hessian * (1 + 1e-12) + error;
+  const double second = second_gradient_remainder(box, cell.third, cell.third, error);
+  const Vec3d& g = jets[0].gradient;
+  for (std::size_t i = 0; i < 3; ++i) sum.plain[i] = sum.plain[i] + widened(g[i], first);
+  sum.center += g;
+  sum.remainder += std::min(first, second);
+  if (second < first) sum.hessian += difference_quotient(jets, box);
   visit_unresolved(cell, add_element);
-  return sum;
 }
 
 double FarField::derivative_bound(int order, const Aabb& box) const {

@@ -42,8 +42,8 @@ class FarField {
   /// As add_bounds() of each term, the approximation not counted; returns the number of terms that
   /// were looked at.
   std::size_t add_bounds(const BoxBatch& batch, double negligible, std::span<SumBound> sums) const;
-  /// Contains the gradient over the box, the approximation not counted.
-  std::array<Interval, 3> gradient_bound(const Aabb& box) const;
+  /// As add_gradient_bound() of each term, the approximation not counted.
+  void add_gradient_bound(const BatchBox& box, GradientSum& sum) const;
   /// >= the norm of the derivative of that order (2, 3, 4) on the box, the approximation not
   /// counted.
   double derivative_bound(int order, const Aabb& box) const;

@@ -398,13 +398,11 @@ std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
   require(box.finite(), "enclose_gradient needs a finite box");
   std::vector<std::uint32_t> list;
   near_terms(box, list);
-  std::array<Interval, 3> sum{};
-  const auto add = [&](const std::array<Interval, 3>& g) {
-    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = sum[axis] + g[axis];
-  };
-  for (const std::uint32_t i : list) add(gradient_bound(data_->terms[i], box));
-  for (const FarField& far : data_->far) add(far.gradient_bound(box));
-  return sum;
+  const BatchBox one(box);
+  GradientSum sum;
+  for (const std::uint32_t i : list) add_gradient_bound(data_->terms[i], one, sum);
+  for (const FarField& far : data_->far) far.add_gradient_bound(one, sum);
+  return sum.bound(one);
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {

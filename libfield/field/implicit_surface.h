@@ -38,7 +38,8 @@ class ImplicitSurface {
   virtual std::array<Interval, 3> enclose_gradient(const Aabb& box) const = 0;
   /// An upper bound, over the box, of the operator norm of the derivative of that order (1 to 4);
   /// infinite where there is none: where the derivative before it jumps, as at the edges of finite
-  /// supports (from order 3 on) and the creases of solids (from order 2 on), or where none is known.
+  /// supports (from order 3 on) and the creases of solids (from order 2 on), or where none is
+  /// known.
   virtual double derivative_bound(int order, const Aabb& box) const = 0;
 
   /// A box that contains all of {F >= 0}; infinite sides where the set is unbounded.

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "libfield/field/box_view.h"
+#include "libfield/field/kink_remainder.h"
 #include "libfield/field/quadratic_range.h"
 #include "libfield/field/weight_bounds.h"
 
@@ -13,22 +14,9 @@ namespace cs2mesh {
 namespace {
 
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// The closed forms and rules are tested to 64 ulp of backward error.
-constexpr double kBackwardError = 64 * kEpsilon;
 /// The side of difference quotients, in units of half the diagonal: what they are off by stays
 /// under a fortieth of the remainder of second order, and the rounding far below that.
 constexpr double kStep = 1.0 / 64;
-
-/// Longest edge over smallest height of a triangle, 1 for the others: how much the rounding of the
-/// vertices is magnified.
-template <class P>
-double condition_number(const P& /*primitive*/) {
-  return 1;
-}
-double condition_number(const Triangle& triangle) {
-  const double longest = size(triangle);
-  return std::min(longest * longest / (2 * measure(triangle)), 1e12);
-}
 
 /// Boxes whose integrals are computed together.
 constexpr std::size_t kBatch = 64;
@@ -105,11 +93,7 @@ class TaylorSum {
     } else {
       batch_.append_points(first, n, local);
     }
-    if (term_.to_local) {
-      for (Vec3d& p : local) p = (*term_.to_local)(p);
-    }
-    std::fill_n(jets.begin(), local.size(), Jet{});
-    add_integrals(term_, kernel_, primitive_, 1.0, local, std::span(jets.data(), local.size()));
+    local_jets(term_, kernel_, primitive_, local, jets);
   }
 
   /// With bounds of the derivatives in that box alone, of the order that leaves less open.
@@ -122,9 +106,14 @@ class TaylorSum {
     if (jets.size() > 1) {
       const double cubed = stretch_ * stretch_ * stretch_;
       const double error =
-          kBackwardError * (condition_ * at.slope + inner_turn * reach_.scale) * stretch_;
-      const double second = second_remainder(at.box, cubed * third_.at(g.near(0.5)),
-                                             cubed * third_.at(g.near(1.0)), error);
+          gradient_error(condition_, at.slope, inner_turn, reach_.scale) * stretch_;
+      double second = second_remainder(at.box, cubed * third_.at(g.near(0.5)),
+                                       cubed * third_.at(g.near(1.0)), error);
+      if constexpr (kHasKinks<K> && !std::is_same_v<P, Plane>) {
+        if (second < first) {
+          second += kink_remainder(kernel_, primitive_, at.center, radius, kStep * radius);
+        }
+      }
       if (second < first) return add_one(jets, weight, at, second, inner_turn, sum);
     }
     add_one(jets.first(1), weight, at, first, outer_turn, sum);
@@ -214,29 +203,42 @@ void BoxBatch::append_points(std::size_t first, std::size_t count,
   }
 }
 
-void SumBound::add_polynomial(double factor, std::span<const Jet> jets, const BatchBox& box) {
-  center.value += factor * jets[0].value;
-  center.gradient += factor * jets[0].gradient;
-  if (jets.size() == 1) return;
+Symmetric3 difference_quotient(std::span<const Jet> jets, const BatchBox& box) {
   const Vec3d& g = jets[0].gradient;
-  const Vec3d x = (factor / box.step.x) * (jets[1].gradient - g);
-  const Vec3d y = (factor / box.step.y) * (jets[2].gradient - g);
-  const Vec3d z = (factor / box.step.z) * (jets[3].gradient - g);
-  center.hessian +=
-      Symmetric3{x.x, y.y, z.z, 0.5 * (x.y + y.x), 0.5 * (x.z + z.x), 0.5 * (y.z + z.y)};
+  const Vec3d x = (jets[1].gradient - g) / box.step.x;
+  const Vec3d y = (jets[2].gradient - g) / box.step.y;
+  const Vec3d z = (jets[3].gradient - g) / box.step.z;
+  return {x.x, y.y, z.z, 0.5 * (x.y + y.x), 0.5 * (x.z + z.x), 0.5 * (y.z + z.y)};
 }
 
-double second_remainder(const BatchBox& box, double inner, double outer, double gradient_error) {
+double quotient_error(const BatchBox& box, double inner, double gradient_error) {
   const Vec3d& step = box.step;
   const double least = std::min({step.x, step.y, step.z});
   const double most = std::max({step.x, step.y, step.z});
   if (!(least > 0)) return std::numeric_limits<double>::infinity();
-  // A column of the second derivative is off by step / 2 |D^3 f| and by the errors of both
-  // gradients; the matrix by at most sqrt(3) times as much.
-  const double quotient = std::numbers::sqrt3 * (0.5 * most * inner + 2 * gradient_error / least);
-  // Both pieces of the remainder of box_view.h.
+  // A column is off by step / 2 |D^3 f| and by the errors of both gradients; the matrix by at most
+  // sqrt(3) times as much.
+  return std::numbers::sqrt3 * (0.5 * most * inner + 2 * gradient_error / least);
+}
+
+void SumBound::add_polynomial(double factor, std::span<const Jet> jets, const BatchBox& box) {
+  center.value += factor * jets[0].value;
+  center.gradient += factor * jets[0].gradient;
+  if (jets.size() > 1) center.hessian += factor * difference_quotient(jets, box);
+}
+
+// The remainders in the two pieces of box_view.h.
+
+double second_remainder(const BatchBox& box, double inner, double outer, double gradient_error) {
   const double cubic = box.radius * (7.0 / 48 * inner + 1.0 / 48 * outer);
+  const double quotient = quotient_error(box, inner, gradient_error);
   return box.radius * box.radius * (cubic + 0.5 * quotient);
+}
+
+double second_gradient_remainder(const BatchBox& box, double inner, double outer,
+                                 double gradient_error) {
+  const double square = box.radius * (0.375 * inner + 0.125 * outer);
+  return box.radius * (square + quotient_error(box, inner, gradient_error));
 }
 
 void add_bounds(const Term& term, const BoxBatch& batch, double negligible,

@@ -29,6 +29,13 @@ struct BatchBox {
   Vec3d step;           ///< the sides of difference quotients, a small part of the radius
 };
 
+/// The second derivative at the centre of the box as the difference quotient of gradients at the
+/// four points of a box; what it is off by is at most quotient_error().
+Symmetric3 difference_quotient(std::span<const Jet> jets, const BatchBox& box);
+/// `inner` bounds |D^3 f| between those points, `gradient_error` what the gradients are off by.
+/// Infinite where the steps are lost in the rounding of coordinates.
+double quotient_error(const BatchBox& box, double inner, double gradient_error);
+
 /// The order of the polynomials: with second ones, the better of the two is taken for each term.
 enum class TaylorOrder { first, second };
 
@@ -76,8 +83,25 @@ void add_bounds(const Term& term, const BoxBatch& batch, double negligible,
 /// Contains the sum over the box, which has the bound `sum` of `terms` terms.
 Interval range_of(const SumBound& sum, std::size_t terms, const BatchBox& box);
 
-/// Each component of the gradient of f lies in its interval, at every point of the box.
-std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box);
+/// For every p in the box, with d = p - p0, the gradient of the sum is
+///   center + hessian d + e + some vector of `range`,  |e| <= remainder;
+/// it also lies in `plain`, to which each term adds on its own.
+struct GradientSum {
+  Vec3d center;
+  Symmetric3 hessian;
+  double remainder = 0.0;
+  std::array<Interval, 3> range{}, plain{};
+
+  /// Contains each component over the box.
+  std::array<Interval, 3> bound(const BatchBox& box) const;
+};
+
+/// Adds what is known of the gradient of `term`. Some 200 ns to 1 us, and four evaluations.
+void add_gradient_bound(const Term& term, const BatchBox& box, GradientSum& sum);
+
+/// What second_remainder() is to values, to gradients.
+double second_gradient_remainder(const BatchBox& box, double inner, double outer,
+                                 double gradient_error);
 
 /// >= the operator norm of the derivative of f of that order (2, 3, 4) on the box; infinite where
 /// there is no bound, as where a profile is not constant.

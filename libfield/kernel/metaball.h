@@ -4,10 +4,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <limits>
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/kernel/kink.h"
 #include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
@@ -49,6 +51,17 @@ struct Metaball {
     if (order == 1) return rounded_up(3.0 * amplitude * rest / radius);
     // Hessian: 3 A (1/y - 1) / R^2 across the ray, 3 A / R^2 along it, -6 A / R^2 within R / 3.
     return rounded_up(3.0 * amplitude * std::max(1.0, rest / y) / (radius * radius));
+  }
+  /// Where the second derivative jumps.
+  std::array<Kink, 2> kinks() const {
+    const double unit = amplitude / (radius * radius);
+    return {Kink{radius / 3.0, 9.0 * unit}, Kink{radius, 3.0 * unit}};
+  }
+  /// An upper bound of |D^3 h| over all distances >= r but for the kinks: 9 A c (1 - c^2) / (R r^2)
+  /// beyond R / 3, where h is a quadratic but for 3 A r / R; greatest at c^2 = 1 / 3.
+  double piece_envelope(double r) const {
+    const double d = std::max(r, radius / 3.0);
+    return r > radius ? 0.0 : rounded_up(2.0 * std::sqrt(3.0) * amplitude / (radius * d * d));
   }
   /// Radius beyond which h is 0.
   double support() const { return radius; }

@@ -3,11 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/kernel/kink.h"
 #include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
@@ -45,6 +47,15 @@ struct Quartic {
     }
     // Hessian: -4 A v / R^2 across the ray, A (8 - 12 v) / R^2 along it, greatest at the edge.
     return rounded_up(8.0 * amplitude / (radius * radius));
+  }
+  /// Where the second derivative jumps.
+  std::array<Kink, 1> kinks() const {
+    const double unit = amplitude / (radius * radius);
+    return {Kink{radius, 8.0 * unit}};
+  }
+  /// An upper bound of |D^3 h| over all distances >= r but for the kink: 24 A r c / R^4.
+  double piece_envelope(double r) const {
+    return r > radius ? 0.0 : rounded_up(24.0 * amplitude / (radius * radius * radius));
   }
   /// Radius beyond which h is 0.
   double support() const { return radius; }
