@@ -50,6 +50,7 @@ inline LocalBox local_box(const Term& term, const Aabb& box) {
 /// Lower bounds of the distance between a primitive and a box that shrinks to its centre.
 struct Gap {
   double distance = 0.0;  ///< from the centre
+  double contact = 0.0;   ///< from the centre to some point of the primitive, near the nearest
   double reach = 0.0;     ///< how far the box extends towards the primitive
   double slack = 0.0;     ///< of rounding
 
@@ -102,17 +103,18 @@ Gap gap(const Term& term, const P& primitive, const Vec3d& center, const Vec3d& 
   Gap g;
   if constexpr (std::is_same_v<P, Arc>) {
     g.distance = distance_to_arc(std::get<ArcFrame<double>>(term.frame), center);
+    g.contact = g.distance;
     g.reach = radius;
   } else {
     const Vec3d way = center - nearest_point(primitive, center);
-    const double length = norm(way);
-    if (!(length > 0)) return g;
-    const Vec3d direction = way / length;
+    g.contact = norm(way);
+    if (!(g.contact > 0)) return g;
+    const Vec3d direction = way / g.contact;
     g.distance = std::max(0.0, separation(primitive, center, direction));
     g.reach = extent_along(term, direction, half);
   }
   const double extent = std::is_same_v<P, Plane> ? norm(center) : size(primitive);
-  g.slack = kUlps * (g.distance + extent + radius);
+  g.slack = kUlps * (g.contact + extent + radius);
   return g;
 }
 
@@ -128,6 +130,34 @@ double near_bound(const K& kernel, const P& primitive, int order, double near) {
   return derivative_bound(kernel, primitive, order, near);
 }
 
+/// A lower bound of the distance between a primitive and a box; for points it is the distance, and
+/// for segments positive wherever it is: two convex bodies that do not meet are apart along a
+/// normal of a face or along the cross product of two edges.
+template <class P>
+double box_distance(const P& /*primitive*/, const Aabb& /*box*/) {
+  return 0.0;
+}
+inline double box_distance(const Point& point, const Aabb& box) {
+  return box.distance(point.position);
+}
+inline double box_distance(const Segment& segment, const Aabb& box) {
+  const Vec3d along = segment.b - segment.a;
+  const Vec3d from = segment.a - box.center();
+  const Vec3d half = half_edges(box);
+  double most = box.distance(bounds(segment));
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vec3d edge;
+    edge[axis] = 1.0;
+    const Vec3d way = cross(along, edge);
+    const double length = norm(way);
+    if (!(length > 0)) continue;
+    const double reach =
+        std::abs(way.x) * half.x + std::abs(way.y) * half.y + std::abs(way.z) * half.z;
+    most = std::max(most, (std::abs(dot(from, way)) - reach) / length);
+  }
+  return most;
+}
+
 /// A lower bound of the distance of the primitive from a box, an upper bound of that of any of its
 /// elements, and the scale of coordinates relative to it.
 struct Reach {
@@ -138,8 +168,8 @@ template <class P>
 Reach reach(const Term& term, const P& primitive, const LocalBox& local) {
   const Gap g = gap(term, primitive, local.center, local.half, local.radius);
   Reach r;
-  r.near = g.near(1.0);
-  r.scale = g.distance + size(primitive);
+  r.near = std::max(g.near(1.0), box_distance(primitive, local.box) * (1 - 1e-12) - g.slack);
+  r.scale = g.contact + size(primitive);
   r.far = r.scale + local.radius + g.slack;
   // Of p in local coordinates the map leaves an error of its own.
   if (term.to_local) r.scale += norm(local.center) + norm(term.to_local->translation);

@@ -83,7 +83,7 @@ void add_gradient_bound(const Term& term, const BatchBox& box, GradientSum& sum)
     std::array<Jet, 4> jets;
     local_jets(term, kernel, primitive, points, jets);
     const double error = gradient_error(condition_number(primitive), norm(jets[0].gradient),
-                                        inner_turn, g.distance + size(primitive));
+                                        inner_turn, reach(term, primitive, local).scale);
     const std::array<Interval, 3> near = ball(jets[0].gradient, turn + error);
     for (std::size_t i = 0; i < 3; ++i) plain[i] = intersection(plain[i], near[i]);
     plain = weighted(term, kernel, primitive, local, plain);

@@ -9,12 +9,13 @@
 #include "libfield/field/compile.h"
 #include "libfield/field/implicit_surface.h"
 #include "libfield/field/term.h"
-#include "libfield/field/term_bounds.h"
 
 namespace cs2mesh {
 
 /// What all views of a field share.
 struct FieldData;
+struct BatchBox;
+enum class TaylorOrder;
 
 /// values(), jets() and enclose() are those of F - T. A term is left out of a block of the field's
 /// own lattice where its influence provably stays under its share of the error budget; the shares

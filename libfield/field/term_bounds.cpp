@@ -18,6 +18,8 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 /// under a fortieth of the remainder of second order, and the rounding far below that.
 constexpr double kStep = 1.0 / 64;
 
+/// A remainder up to this, in units of T, is small beside what a box of use leaves open.
+constexpr double kSmallRemainder = 2e-4;
 /// Boxes whose integrals are computed together.
 constexpr std::size_t kBatch = 64;
 
@@ -43,7 +45,8 @@ class TaylorSum {
     const bool constant = weight.width() * integral_.hi <= negligible;
     const double radius = batch_.radius * stretch_;
     const double turn = second_.at(reach_.near);
-    const bool near = sums.size() == 1 || 0.5 * turn * radius * radius > negligible;
+    const double small = std::max(negligible, kSmallRemainder);
+    const bool near = sums.size() == 1 || 0.5 * turn * radius * radius > small;
     const std::size_t stride = near ? batch_.stride() : 1;
     const std::size_t run = kBatch / stride;
     std::array<Jet, kBatch> jets;
@@ -111,7 +114,7 @@ class TaylorSum {
                                        cubed * third_.at(g.near(1.0)), error);
       if constexpr (kHasKinks<K> && !std::is_same_v<P, Plane>) {
         if (second < first) {
-          second += kink_remainder(kernel_, primitive_, at.center, radius, kStep * radius);
+          second += kink_remainder(kernel_, primitive_, at.center, radius, 2 * kStep * radius);
         }
       }
       if (second < first) return add_one(jets, weight, at, second, inner_turn, sum);
@@ -179,9 +182,12 @@ void add_pair(const Term& term, const K& kernel, const P& primitive, const BoxBa
 
 BatchBox::BatchBox(const Aabb& box_) : box(box_), center(box_.center()), half(half_edges(box_)) {
   radius = norm(half) * (1 + 4 * kEpsilon);
-  // The steps that are taken, which rounding may change.
-  const double length = kStep * radius;
-  step = (center + Vec3d{length, length, length}) - center;
+  for (std::size_t i = 0; i < 3; ++i) {
+    // Within the half box; as long as the rounding of coordinates lets it be.
+    const double nominal = std::min(kStep * radius, 0.25 * half[i]);
+    const double taken = (center[i] + nominal) - center[i];
+    step[i] = 0.5 * nominal < taken && taken < 2 * nominal ? taken : 0.0;
+  }
 }
 
 BoxBatch::BoxBatch(std::span<const BatchBox> boxes_, TaylorOrder order_)

@@ -26,7 +26,7 @@ struct BatchBox {
   Vec3d center;
   Vec3d half;           ///< edges, rounded up
   double radius = 0.0;  ///< half the diagonal, rounded up
-  Vec3d step;           ///< the sides of difference quotients, a small part of the radius
+  Vec3d step;           ///< the sides of difference quotients; 0 where there is no room for one
 };
 
 /// The second derivative at the centre of the box as the difference quotient of gradients at the
