@@ -295,11 +295,14 @@ void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
 /// What is known of F over a box.
 struct Field::Enclosure {
   Interval range;
-  double remainder = 0.0;  ///< the part of Taylor's remainders in half the width
+  /// The part in half the width of Taylor's remainders and of terms that are known by their range
+  /// alone: what smaller boxes and polynomials of higher order may take away.
+  double remainder = 0.0;
 
-  /// The true range is at least as wide as the polynomial's without the remainder, up to what terms
-  /// outside of it leave open: up to this part, at least half as wide as `range`.
-  bool loose(double width) const { return 2 * remainder > 0.25 * width; }
+  bool loose(double width) const { return 2 * remainder > kSmallPart * width; }
+  bool very_loose(double width) const { return 2 * remainder > kLargePart * width; }
+
+  static constexpr double kSmallPart = 0.3, kLargePart = 0.5;
   /// Whether the polynomial alone would tell the sign.
   bool hangs_on_remainder() const {
     return range.contains(0.0) && (range.lo + remainder > 0 || range.hi - remainder < 0);
@@ -314,7 +317,7 @@ Interval Field::enclose(const Aabb& box) const {
   Enclosure second;
   enclose_batch({&one, 1}, TaylorOrder::second, {&second, 1});
   whole = {intersection(whole.range, second.range), std::min(whole.remainder, second.remainder)};
-  return whole.loose(whole.range.width()) ? enclose_in_parts(box, whole) : whole.range;
+  return whole.very_loose(whole.range.width()) ? enclose_in_parts(box, whole) : whole.range;
 }
 
 /// Halves the box along every axis, then those of its parts that decide how far the range extends.
@@ -345,7 +348,7 @@ Interval Field::enclose_in_parts(const Aabb& box, const Enclosure& whole) const 
       const Enclosure& part = enclosures[i];
       const bool decides =
           part.range.lo < range.lo + 0.125 * width || part.range.hi > range.hi - 0.125 * width;
-      if (decides && part.loose(width)) {
+      if (decides && part.very_loose(width)) {
         loose.emplace_back(parts[i].box, part);
       } else {
         settle(part.range);
@@ -390,7 +393,7 @@ void Field::enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
   for (const FarField& far : data_->far) terms += far.add_bounds(batch, negligible, sums);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
     const Interval range = range_of(sums[i], terms, boxes[i]) - Interval(kThreshold);
-    out[i] = {widened(range, data_->error_budget), sums[i].remainder};
+    out[i] = {widened(range, data_->error_budget), sums[i].remainder + 0.5 * sums[i].range.width()};
   }
 }
 

@@ -192,5 +192,19 @@ TEST(Bound, IsTightForLargePrimitives) {
   }
 }
 
+// The greatest fourth derivatives of the fields of an endless line (45 pi / 2 and 12 sqrt(pi)) and
+// of a plane, which bounds by distance alone may exceed.
+TEST(Bound, OfFourthOrderIsNotMuchMoreThanTheGreatest) {
+  const Segment segment{{-50, 0, 0}, {50, 0, 0}};
+  EXPECT_LE(derivative_bound(Cauchy{1.0}, segment, 4, 0.0), 1.45 * 70.686);
+  EXPECT_LE(derivative_bound(Gaussian{1.0}, segment, 4, 0.0), 1.55 * 21.269);
+  const Triangle triangle{{Vec3d{-50, -30, 0}, Vec3d{50, -30, 0}, Vec3d{0, 60, 0}}};
+  const auto ratio = [&](const auto& kernel) {
+    return derivative_bound(kernel, triangle, 4, 0.0) / derivative_bound(kernel, Plane{}, 4, 0.0);
+  };
+  EXPECT_LE(ratio(Cauchy{1.0}), 2.0);
+  EXPECT_LE(ratio(Gaussian{1.0}), 2.4);
+}
+
 }  // namespace
 }  // namespace cs2mesh
