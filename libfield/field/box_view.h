@@ -223,13 +223,13 @@ void local_jets(const Term& term, const K& kernel, const P& primitive, std::span
 template <class K, class P>
 class BoundSteps {
  public:
-  /// A span of 0 makes no steps: each bound is computed.
+  /// Nothing is nearer than `near`. A span of 0 makes no steps: each bound is computed.
   BoundSteps(const K& kernel, const P& primitive, int order, double near, double span)
       : kernel_(kernel), primitive_(primitive), order_(order), near_(near), step_(span / kSteps) {
     bounds_.fill(-1.0);
   }
   double at(double distance) {
-    if (!(step_ > 0.0)) return bound(distance);
+    if (!(step_ > 0.0)) return bound(std::max(distance, near_));
     const double steps = std::clamp((distance - near_) / step_, 0.0, kSteps - 1.0);
     const auto k = static_cast<std::size_t>(steps);
     if (bounds_[k] < 0.0) {

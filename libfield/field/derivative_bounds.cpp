@@ -59,6 +59,15 @@ std::array<Interval, 3> GradientSum::bound(const BatchBox& box) const {
   return all;
 }
 
+void GradientSum::add_polynomial(std::span<const Jet> jets, double first, double second,
+                                 const BatchBox& box) {
+  const Vec3d& g = jets[0].gradient;
+  for (std::size_t i = 0; i < 3; ++i) plain[i] = plain[i] + widened(g[i], first);
+  center += g;
+  remainder += std::min(first, second);
+  if (second < first) hessian += difference_quotient(jets, box);
+}
+
 void add_gradient_bound(const Term& term, const BatchBox& box, GradientSum& sum) {
   const LocalBox local = local_box(term, box.box);
   visit_pair(term, [&](const auto& kernel, const auto& primitive) {
@@ -78,8 +87,7 @@ void add_gradient_bound(const Term& term, const BatchBox& box, GradientSum& sum)
       }
       return;
     }
-    std::vector<Vec3d> points;
-    BoxBatch({&box, 1}, TaylorOrder::second).append_points(0, 1, points);
+    std::array<Vec3d, 4> points = box.points();
     std::array<Jet, 4> jets;
     local_jets(term, kernel, primitive, points, jets);
     const double error = gradient_error(condition_number(primitive), norm(jets[0].gradient),

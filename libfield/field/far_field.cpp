@@ -502,11 +502,9 @@ void FarField::add_series(const Cell& cell, const BoxBatch& batch, std::span<Sum
   const double rounding = 1e-13 * cell.size;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const BatchBox& box = batch.boxes[i];
-    const std::span<const Jet> own(jets.data() + stride * i, stride);
     const double first = 0.5 * cell.hessian * box.radius * box.radius;
     const double second = second_remainder(box, cell.third, cell.third, rounding / cell.half);
-    sums[i].add_polynomial(1.0, stride > 1 && second < first ? own : own.first(1), box);
-    sums[i].remainder += stride > 1 ? std::min(first, second) : first;
+    sums[i].add_polynomial(std::span(jets).subspan(stride * i, stride), first, second, box);
     sums[i].rounding += rounding * (1 + box.radius / cell.half);
   }
 }
@@ -544,44 +542,37 @@ std::size_t FarField::add_bounds(const BoxBatch& batch, double negligible,
   return looked_at + 1;
 }
 
+template <class Visit>
+const FarField::Cell* FarField::visit_around(const Aabb& box, const Visit& visit) const {
+  const Cell* cell = root_->holds(box) ? &smallest_around(box) : nullptr;
+  if (cell != nullptr) visit_unresolved(*cell, visit);
+  for (std::uint32_t i = 0; cell == nullptr && i < tree_.elements().size(); ++i) visit(i);
+  return cell;
+}
+
 void FarField::add_gradient_bound(const BatchBox& box, GradientSum& sum) const {
-  const auto add_element = [&](std::uint32_t element) {
+  const Cell* cell = visit_around(box.box, [&](std::uint32_t element) {
     cs2mesh::add_gradient_bound((*terms_)[tree_.elements()[element].term], box, sum);
-  };
-  if (!root_->holds(box.box)) {
-    for (std::uint32_t i = 0; i < tree_.elements().size(); ++i) add_element(i);
-    return;
-  }
-  const Cell& cell = smallest_around(box.box);
-  std::vector<Vec3d> points;
-  BoxBatch({&box, 1}, TaylorOrder::second).append_points(0, 1, points);
+  });
+  if (cell == nullptr) return;
+  const std::array<Vec3d, 4> points = box.points();
   std::array<Jet, 4> jets;
-  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, points.data(),
+  bulk_table().add_series<Jet>()(cell->series.data(), cell->center, cell->half, points.data(),
                                  jets.data(), jets.size());
-  const double error = 1e-13 * cell.size / cell.half;
-  const double first = box.radius * cell.hessian * (1 + 1e-12) + error;
-  const double second = second_gradient_remainder(box, cell.third, cell.third, error);
-  const Vec3d& g = jets[0].gradient;
-  for (std::size_t i = 0; i < 3; ++i) sum.plain[i] = sum.plain[i] + widened(g[i], first);
-  sum.center += g;
-  sum.remainder += std::min(first, second);
-  if (second < first) sum.hessian += difference_quotient(jets, box);
-  visit_unresolved(cell, add_element);
+  const double error = 1e-13 * cell->size / cell->half;
+  const double first = box.radius * cell->hessian * (1 + 1e-12) + error;
+  const double second = second_gradient_remainder(box, cell->third, cell->third, error);
+  sum.add_polynomial(jets, first, second, box);
 }
 
 double FarField::derivative_bound(int order, const Aabb& box) const {
   double sum = 0.0;
-  const auto add_element = [&](std::uint32_t element) {
+  const Cell* cell = visit_around(box, [&](std::uint32_t element) {
     sum += cs2mesh::derivative_bound((*terms_)[tree_.elements()[element].term], order, box);
-  };
-  if (!root_->holds(box)) {
-    for (std::uint32_t i = 0; i < tree_.elements().size(); ++i) add_element(i);
-    return sum;
-  }
-  const Cell& cell = smallest_around(box);
-  sum += cs2mesh::derivative_bound(cell.series, order) / std::pow(cell.half, order) * (1 + 1e-14);
-  visit_unresolved(cell, add_element);
-  return sum;
+  });
+  if (cell == nullptr) return sum;
+  const double unit = std::pow(cell->half, order) * (1 - 1e-14);
+  return sum + cs2mesh::derivative_bound(cell->series, order) / unit;
 }
 
 void FarField::collect(const Aabb& box, double least, std::vector<std::uint32_t>& terms) const {

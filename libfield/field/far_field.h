@@ -62,6 +62,10 @@ class FarField {
   void add_cell(const Cell* leaf, std::span<const Vec3d> points, std::span<Out> sums) const;
   template <class Visit>
   void visit_unresolved(const Cell& cell, const Visit& visit) const;
+  /// Visits what no series holds around the box; returns the cell whose series holds the rest, null
+  /// where none does.
+  template <class Visit>
+  const Cell* visit_around(const Aabb& box, const Visit& visit) const;
   /// From the lists of its parent, of that many elements.
   void fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
             const std::vector<std::uint32_t>& elements, std::size_t listed) const;

@@ -19,7 +19,7 @@ constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
 constexpr double kStep = 1.0 / 64;
 
 /// A remainder up to this, in units of T, is small beside what a box of use leaves open.
-constexpr double kSmallRemainder = 2e-4;
+constexpr double kSmallRemainder = 1e-3;
 /// Boxes whose integrals are computed together.
 constexpr std::size_t kBatch = 64;
 
@@ -190,6 +190,11 @@ BatchBox::BatchBox(const Aabb& box_) : box(box_), center(box_.center()), half(ha
   }
 }
 
+std::array<Vec3d, 4> BatchBox::points() const {
+  return {center, center + Vec3d{step.x, 0, 0}, center + Vec3d{0, step.y, 0},
+          center + Vec3d{0, 0, step.z}};
+}
+
 BoxBatch::BoxBatch(std::span<const BatchBox> boxes_, TaylorOrder order_)
     : boxes(boxes_), order(order_) {
   for (const BatchBox& box : boxes) {
@@ -201,11 +206,8 @@ BoxBatch::BoxBatch(std::span<const BatchBox> boxes_, TaylorOrder order_)
 void BoxBatch::append_points(std::size_t first, std::size_t count,
                              std::vector<Vec3d>& points) const {
   for (const BatchBox& box : boxes.subspan(first, count)) {
-    points.push_back(box.center);
-    if (order == TaylorOrder::first) continue;
-    points.push_back(box.center + Vec3d{box.step.x, 0, 0});
-    points.push_back(box.center + Vec3d{0, box.step.y, 0});
-    points.push_back(box.center + Vec3d{0, 0, box.step.z});
+    const std::array<Vec3d, 4> all = box.points();
+    points.insert(points.end(), all.begin(), all.begin() + static_cast<std::ptrdiff_t>(stride()));
   }
 }
 
@@ -231,6 +233,13 @@ void SumBound::add_polynomial(double factor, std::span<const Jet> jets, const Ba
   center.value += factor * jets[0].value;
   center.gradient += factor * jets[0].gradient;
   if (jets.size() > 1) center.hessian += factor * difference_quotient(jets, box);
+}
+
+void SumBound::add_polynomial(std::span<const Jet> jets, double first, double second,
+                              const BatchBox& box) {
+  const bool better = jets.size() > 1 && second < first;
+  add_polynomial(1.0, better ? jets : jets.first(1), box);
+  remainder += better ? second : first;
 }
 
 // The remainders in the two pieces of box_view.h.

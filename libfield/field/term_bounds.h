@@ -21,6 +21,8 @@ namespace cs2mesh {
 struct BatchBox {
   BatchBox() = default;
   explicit BatchBox(const Aabb& box);
+  /// The centre, then a step along each axis: where gradients are taken for the second order.
+  std::array<Vec3d, 4> points() const;
 
   Aabb box;
   Vec3d center;
@@ -51,7 +53,7 @@ struct BoxBatch {
 
   /// The number of points at which gradients are taken for each box.
   std::size_t stride() const { return order == TaylorOrder::first ? 1 : 4; }
-  /// Appends those points, box by box: the centre, then a step along each axis.
+  /// Appends those points, box by box.
   void append_points(std::size_t first, std::size_t count, std::vector<Vec3d>& points) const;
 };
 
@@ -67,6 +69,8 @@ struct SumBound {
 
   /// Adds factor times the function with those jets at the stride() points of the box.
   void add_polynomial(double factor, std::span<const Jet> jets, const BatchBox& box);
+  /// Adds the function to the order that leaves less open: these are the remainders.
+  void add_polynomial(std::span<const Jet> jets, double first, double second, const BatchBox& box);
 };
 
 /// What a quadratic whose second derivative is a difference quotient leaves open over the box:
@@ -92,6 +96,9 @@ struct GradientSum {
   double remainder = 0.0;
   std::array<Interval, 3> range{}, plain{};
 
+  /// Adds the function with those jets at the four points of the box, to the order that leaves less
+  /// open: these are the remainders. Those of the first go into `plain`.
+  void add_polynomial(std::span<const Jet> jets, double first, double second, const BatchBox& box);
   /// Contains each component over the box.
   std::array<Interval, 3> bound(const BatchBox& box) const;
 };
