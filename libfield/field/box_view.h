@@ -123,7 +123,8 @@ Gap gap(const Term& term, const P& primitive, const Vec3d& center, const Vec3d& 
 template <class K, class P>
 double near_bound(const K& kernel, const P& primitive, int order, double near) {
   if constexpr (!std::is_same_v<P, Plane>) {
-    if (near > 2.0 * size(primitive)) {
+    // Remainders of higher order are worth a closer look.
+    if (near > (order > 2 ? 2.0 : 1.0) * size(primitive)) {
       return measure(primitive) * kernel.derivative_envelope(order, near) * (1 + 1e-12);
     }
   }

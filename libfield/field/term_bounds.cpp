@@ -23,18 +23,20 @@ constexpr double kSmallRemainder = 1e-3;
 /// Boxes whose integrals are computed together.
 constexpr std::size_t kBatch = 64;
 
-/// Adds weight * I as Taylor polynomials about the centres of boxes whose hull is `hull`.
+/// Adds weight * I as Taylor polynomials about the centres of boxes whose hull is `hull`, over
+/// which `turn` bounds |D^2 I|.
 template <class K, class P>
 class TaylorSum {
  public:
   TaylorSum(const Term& term, const K& kernel, const P& primitive, const LocalBox& hull,
-            const Reach& reach, const Interval& integral, const BoxBatch& batch)
+            const Reach& reach, const Interval& integral, double turn, const BoxBatch& batch)
       : term_(term),
         kernel_(kernel),
         primitive_(primitive),
         stretch_(hull.stretch),
         reach_(reach),
         integral_(integral),
+        turn_(turn),
         batch_(batch),
         condition_(condition_number(primitive)),
         second_(kernel, primitive, 2, reach.near, span_of(hull, batch)),
@@ -44,9 +46,8 @@ class TaylorSum {
   void add(const Interval& weight, double negligible, std::span<SumBound> sums) {
     const bool constant = weight.width() * integral_.hi <= negligible;
     const double radius = batch_.radius * stretch_;
-    const double turn = second_.at(reach_.near);
     const double small = std::max(negligible, kSmallRemainder);
-    const bool near = sums.size() == 1 || 0.5 * turn * radius * radius > small;
+    const bool near = 0.5 * turn_ * radius * radius > small;
     const std::size_t stride = near ? batch_.stride() : 1;
     const std::size_t run = kBatch / stride;
     std::array<Jet, kBatch> jets;
@@ -64,7 +65,8 @@ class TaylorSum {
         if (near) {
           add_near(own, w, at, sums[first + i]);
         } else {
-          add_one(own, w, at, 0.5 * turn * square(at.box.radius * stretch_), turn, sums[first + i]);
+          add_one(own, w, at, 0.5 * turn_ * square(at.box.radius * stretch_), turn_,
+                  sums[first + i]);
         }
       }
     }
@@ -104,7 +106,8 @@ class TaylorSum {
     const double radius = at.box.radius * stretch_;
     const Gap g = gap(term_, primitive_, at.center, at.box.half, radius);
     // Both pieces of the remainder of box_view.h.
-    const double inner_turn = second_.at(g.near(0.5)), outer_turn = second_.at(g.near(1.0));
+    const double inner_turn = second_.at(g.near(0.5));
+    const double outer_turn = batch_.boxes.size() == 1 ? turn_ : second_.at(g.near(1.0));
     const double first = square(radius) * (0.375 * inner_turn + 0.125 * outer_turn);
     if (jets.size() > 1) {
       const double cubed = stretch_ * stretch_ * stretch_;
@@ -141,6 +144,7 @@ class TaylorSum {
   double stretch_;
   const Reach& reach_;
   const Interval& integral_;
+  double turn_;
   const BoxBatch& batch_;
   double condition_;
   BoundSteps<K, P> second_, third_;
@@ -161,12 +165,12 @@ void add_pair(const Term& term, const K& kernel, const P& primitive, const BoxBa
     return;
   }
   const double radius = batch.radius * hull.stretch;
-  const auto leaves_less_open = [&](int order, double factor) {
-    return near_bound(kernel, primitive, order, r.near) * factor < integral.width();
-  };
-  if (leaves_less_open(2, radius * radius) ||
-      (batch.order == TaylorOrder::second && leaves_less_open(3, radius * radius * radius / 3))) {
-    TaylorSum<K, P>(term, kernel, primitive, hull, r, integral, batch)
+  const double turn = near_bound(kernel, primitive, 2, r.near);
+  const auto third = [&] { return near_bound(kernel, primitive, 3, r.near); };
+  if (turn * radius * radius < integral.width() ||
+      (batch.order == TaylorOrder::second &&
+       3 * integral.width() > third() * radius * radius * radius)) {
+    TaylorSum<K, P>(term, kernel, primitive, hull, r, integral, turn, batch)
         .add(weight, negligible, sums);
   } else if (sums.size() == 1) {
     sums[0].range = sums[0].range + range;
