@@ -23,6 +23,13 @@ constexpr std::size_t kManyNear = 1024;
 
 }  // namespace
 
+void FarField::Cell::measure_series() {
+  size = 0.0;
+  for (const double c : series) size += std::abs(c);
+  hessian = cs2mesh::derivative_bound(series, 2) / (half * half);
+  third = cs2mesh::derivative_bound(series, 3) / (half * half * half);
+}
+
 /// Contains the sum of a cluster over the box.
 Interval FarField::cluster_range(std::uint32_t index, const Aabb& box) const {
   const SourceNode& node = tree_.node(index);
@@ -47,38 +54,51 @@ double FarField::open_error(const Cell* around, const BoxBatch& batch) const {
   return std::clamp(kErrorShare * norm(jet.gradient) * batch.radius, error_budget_, kCoarseError);
 }
 
-std::size_t FarField::add_bounds(const BoxBatch& batch, double negligible,
-                                 std::span<SumBound> sums) const {
-  // A cell of its own for the boxes: all that is far from them in one series.
+/// A cell of its own for the boxes, with all that is far from them in its series.
+std::unique_ptr<FarField::Cell> FarField::cell_of(const BoxBatch& batch, double& error) const {
   const Cell* around = root_->holds(batch.hull) ? &smallest_around(batch.hull) : nullptr;
-  Cell cell;
+  auto cell = std::make_unique<Cell>();
   const Vec3d extent = batch.hull.extent();
-  cell.center = batch.hull.center();
-  cell.half = 0.5 * std::max({extent.x, extent.y, extent.z}) * (1 + 1e-12);
-  if (!(cell.half > 0)) cell.half = error_budget_;
-  Sorter sorter(*this, cell);
-  double error = open_error(around, batch);
+  cell->center = batch.hull.center();
+  cell->half = 0.5 * std::max({extent.x, extent.y, extent.z}) * (1 + 1e-12);
+  if (!(cell->half > 0)) cell->half = root_->half;
+  Sorter sorter(*this, *cell);
+  error = open_error(around, batch);
   if (around != nullptr) {
-    cell.series = recentered(around->series, (cell.center - around->center) / around->half,
-                             cell.half / around->half);
+    cell->series = recentered(around->series, (cell->center - around->center) / around->half,
+                              cell->half / around->half);
     error = sorter.sort(around->nodes, around->elements, error);
   } else {
     error = sorter.sort({0}, {}, error);
   }
+  cell->measure_series();
+  return cell;
+}
 
-  std::vector<Jet> jets(sums.size());
-  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, batch.centers.data(),
+void FarField::add_series(const Cell& cell, const BoxBatch& batch, std::span<SumBound> sums) const {
+  std::vector<Vec3d> points;
+  batch.append_points(0, sums.size(), points);
+  std::vector<Jet> jets(points.size());
+  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, points.data(),
                                  jets.data(), jets.size());
-  double size = 0.0;
-  for (const double c : cell.series) size += std::abs(c);
-  const double hessian = second_derivative_bound(cell.series) / (cell.half * cell.half);
+  const std::size_t stride = batch.stride();
+  const double rounding = 1e-13 * cell.size;
   for (std::size_t i = 0; i < sums.size(); ++i) {
-    sums[i].center += jets[i];
-    sums[i].hessian += hessian;
-    sums[i].deviation += error;
-    sums[i].rounding += 1e-13 * size;
+    const BatchBox& box = batch.boxes[i];
+    const double first = 0.5 * cell.hessian * box.radius * box.radius;
+    const double second = second_remainder(box, cell.third, cell.third, rounding / cell.half);
+    sums[i].add_polynomial(std::span(jets).subspan(stride * i, stride), first, second, box);
+    sums[i].rounding += rounding * (1 + box.radius / cell.half);
   }
-  return 1 + add_near_bounds(cell, batch, negligible, sums);
+}
+
+std::size_t FarField::add_bounds(const BoxBatch& batch, double negligible,
+                                 std::span<SumBound> sums) const {
+  double error = 0.0;
+  const std::unique_ptr<Cell> cell = cell_of(batch, error);
+  add_series(*cell, batch, sums);
+  for (SumBound& sum : sums) sum.deviation += error;
+  return 1 + add_near_bounds(*cell, batch, negligible, sums);
 }
 
 /// Adds what the series of the boxes does not hold.
@@ -101,43 +121,37 @@ std::size_t FarField::add_near_bounds(const Cell& cell, const BoxBatch& batch, d
   return cell.nodes.size() + cell.elements.size();
 }
 
-std::array<Interval, 3> FarField::gradient_bound(const Aabb& box) const {
-  std::array<Interval, 3> sum{};
-  const auto add = [&](const std::array<Interval, 3>& g) {
-    for (std::size_t i = 0; i < 3; ++i) sum[i] = sum[i] + g[i];
-  };
-  const auto add_element = [&](std::uint32_t element) {
-    add(cs2mesh::gradient_bound((*terms_)[tree_.elements()[element].term], box));
-  };
-  if (!root_->holds(box)) {
-    for (std::uint32_t i = 0; i < tree_.elements().size(); ++i) add_element(i);
-    return sum;
-  }
-  const Cell& cell = smallest_around(box);
-  const Vec3d center = box.center();
-  Jet jet;
-  bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, &center, &jet, 1);
-  const double turn =
-      0.5 * box.diagonal() * cell.hessian * (1 + 1e-12) + 1e-13 * cell.size / cell.half;
-  add({widened(Interval(jet.gradient.x), turn), widened(Interval(jet.gradient.y), turn),
-       widened(Interval(jet.gradient.z), turn)});
-  visit_unresolved(cell, add_element);
-  return sum;
+template <class Visit>
+const FarField::Cell* FarField::visit_around(const Aabb& box, const Visit& visit) const {
+  const Cell* cell = root_->holds(box) ? &smallest_around(box) : nullptr;
+  if (cell != nullptr) visit_unresolved(*cell, visit);
+  for (std::uint32_t i = 0; cell == nullptr && i < tree_.elements().size(); ++i) visit(i);
+  return cell;
 }
 
-double FarField::hessian_bound(const Aabb& box) const {
+void FarField::add_gradient_bound(const BatchBox& box, GradientSum& sum) const {
+  const Cell* cell = visit_around(box.box, [&](std::uint32_t element) {
+    cs2mesh::add_gradient_bound((*terms_)[tree_.elements()[element].term], box, sum);
+  });
+  if (cell == nullptr) return;
+  const std::array<Vec3d, 4> points = box.points();
+  std::array<Jet, 4> jets;
+  bulk_table().add_series<Jet>()(cell->series.data(), cell->center, cell->half, points.data(),
+                                 jets.data(), jets.size());
+  const double error = 1e-13 * cell->size / cell->half;
+  const double first = box.radius * cell->hessian * (1 + 1e-12) + error;
+  const double second = second_gradient_remainder(box, cell->third, cell->third, error);
+  sum.add_polynomial(jets, first, second, box);
+}
+
+double FarField::derivative_bound(int order, const Aabb& box) const {
   double sum = 0.0;
-  const auto add_element = [&](std::uint32_t element) {
-    sum += cs2mesh::hessian_bound((*terms_)[tree_.elements()[element].term], box);
-  };
-  if (!root_->holds(box)) {
-    for (std::uint32_t i = 0; i < tree_.elements().size(); ++i) add_element(i);
-    return sum;
-  }
-  const Cell& cell = smallest_around(box);
-  sum += cell.hessian;
-  visit_unresolved(cell, add_element);
-  return sum;
+  const Cell* cell = visit_around(box, [&](std::uint32_t element) {
+    sum += cs2mesh::derivative_bound((*terms_)[tree_.elements()[element].term], order, box);
+  });
+  if (cell == nullptr) return sum;
+  const double unit = std::pow(cell->half, order) * (1 - 1e-14);
+  return sum + cs2mesh::derivative_bound(cell->series, order) / unit;
 }
 
 void FarField::collect(const Aabb& box, double least, std::vector<std::uint32_t>& terms) const {

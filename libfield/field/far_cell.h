@@ -25,6 +25,7 @@ struct FarField::Cell {
   Series series{};       ///< of (p - center) / half
   double size = 0.0;     ///< sum of the absolute values of its coefficients
   double hessian = 0.0;  ///< >= the norm of its second derivative
+  double third = 0.0;    ///< and of its third
   /// What is not in the series: nodes of the source tree, and elements.
   std::vector<std::uint32_t> nodes, elements;
   std::size_t listed = 0;           ///< elements in all of them
@@ -46,6 +47,8 @@ struct FarField::Cell {
   int octant_of(const Vec3d& p) const {
     return (p.x > center.x ? 1 : 0) + (p.y > center.y ? 2 : 0) + (p.z > center.z ? 4 : 0);
   }
+  /// Finds what is known of the series.
+  void measure_series();
   /// From the centre to a corner, rounded up.
   double radius() const { return 1.7320508075688774 * (1 + 1e-12) * half; }
 };

@@ -60,8 +60,7 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
                     const std::vector<std::uint32_t>& elements, std::size_t listed) const {
   Sorter sorter(*this, cell);
   sorter.sort(nodes, elements, 0.5 * error_budget_ / kMostLevels);
-  for (const double c : cell.series) cell.size += std::abs(c);
-  cell.hessian = second_derivative_bound(cell.series) / (cell.half * cell.half);
+  cell.measure_series();
   // Where all is close together, smaller cells do not help; nor where a cell holds so little of
   // the surface that its points are summed before finer cells are set up.
   const bool stuck = cell.level > 4 && 5 * cell.listed > 4 * listed;

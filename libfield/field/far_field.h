@@ -46,10 +46,11 @@ class FarField {
   /// Where many elements are near the boxes they are known by their ranges alone. Cost: a series
   /// for the boxes (some 10 to 100 us) and what add_bounds() takes for each element near them.
   std::size_t add_bounds(const BoxBatch& batch, double negligible, std::span<SumBound> sums) const;
-  /// Contains the gradient over the box, the approximation not counted.
-  std::array<Interval, 3> gradient_bound(const Aabb& box) const;
-  /// >= the norm of the second derivative on the box, the approximation not counted.
-  double hessian_bound(const Aabb& box) const;
+  /// As add_gradient_bound() of each term, the approximation not counted.
+  void add_gradient_bound(const BatchBox& box, GradientSum& sum) const;
+  /// >= the norm of the derivative of that order (2, 3, 4) on the box, the approximation not
+  /// counted.
+  double derivative_bound(int order, const Aabb& box) const;
 
   /// Appends the terms whose field may exceed `least` somewhere in the box.
   void collect(const Aabb& box, double least, std::vector<std::uint32_t>& terms) const;
@@ -65,14 +66,20 @@ class FarField {
   void add_cell(const Cell* leaf, std::span<const Vec3d> points, std::span<Out> sums) const;
   template <class Visit>
   void visit_unresolved(const Cell& cell, const Visit& visit) const;
+  /// Visits what no series holds around the box; returns the cell whose series holds the rest, null
+  /// where none does.
+  template <class Visit>
+  const Cell* visit_around(const Aabb& box, const Visit& visit) const;
   /// From the lists of its parent, of that many elements.
   void fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
             const std::vector<std::uint32_t>& elements, std::size_t listed) const;
   bool holds_few(const Cell& cell) const;
   Interval cluster_range(std::uint32_t index, const Aabb& box) const;
+  std::unique_ptr<Cell> cell_of(const BoxBatch& batch, double& error) const;
   double open_error(const Cell* around, const BoxBatch& batch) const;
   std::size_t add_near_bounds(const Cell& cell, const BoxBatch& batch, double negligible,
                               std::span<SumBound> sums) const;
+  void add_series(const Cell& cell, const BoxBatch& batch, std::span<SumBound> sums) const;
   std::unique_ptr<Cell> make_root(const Aabb& domain) const;
   std::unique_ptr<Cell> make_child(const Cell& parent, int octant) const;
   const Cell& child(const Cell& parent, int octant) const;

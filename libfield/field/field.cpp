@@ -5,6 +5,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <optional>
 #include <tuple>
 
 #include "libfield/field/far_field.h"
@@ -316,15 +317,96 @@ void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
   add_terms<Jet>(*data_, all, points, out);
 }
 
-Interval Field::enclose(const Aabb& box) const {
+/// What is known of F over a box.
+struct Field::Enclosure {
   Interval range;
-  enclose_each({&box, 1}, {&range, 1});
+  /// The part in half the width of Taylor's remainders and of terms that are known by their range
+  /// alone: what smaller boxes and polynomials of higher order may take away.
+  double remainder = 0.0;
+
+  bool loose(double width) const { return 2 * remainder > kSmallPart * width; }
+  bool very_loose(double width) const { return 2 * remainder > kLargePart * width; }
+
+  static constexpr double kSmallPart = 0.3, kLargePart = 0.5;
+  /// Whether the polynomial alone would tell the sign.
+  bool hangs_on_remainder() const {
+    return range.contains(0.0) && (range.lo + remainder > 0 || range.hi - remainder < 0);
+  }
+};
+
+Interval Field::enclose(const Aabb& box) const {
+  const BatchBox one(box);
+  Enclosure whole;
+  enclose_batch({&one, 1}, TaylorOrder::first, {&whole, 1});
+  if (!whole.loose(whole.range.width())) return whole.range;
+  Enclosure second;
+  enclose_batch({&one, 1}, TaylorOrder::second, {&second, 1});
+  whole = {intersection(whole.range, second.range), std::min(whole.remainder, second.remainder)};
+  return whole.very_loose(whole.range.width()) ? enclose_in_parts(box, whole) : whole.range;
+}
+
+/// Halves the box along every axis, then those of its parts that decide how far the range extends.
+Interval Field::enclose_in_parts(const Aabb& box, const Enclosure& whole) const {
+  constexpr int kMostRounds = 2;
+  Interval range = whole.range;
+  std::vector<std::pair<Aabb, Enclosure>> loose{{box, whole}};
+  std::optional<Interval> settled;
+  const auto settle = [&settled](const Interval& part) {
+    settled = settled ? hull(*settled, part) : part;
+  };
+  for (int round = 0; round < kMostRounds && !loose.empty(); ++round) {
+    std::vector<BatchBox> parts;
+    for (const auto& [parent, enclosure] : loose) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Vec3d center = parent.center(), end = parent.corner(corner);
+        parts.emplace_back(Aabb{min(center, end), max(center, end)});
+      }
+    }
+    std::vector<Enclosure> enclosures(parts.size());
+    enclose_batch(parts, TaylorOrder::second, enclosures);
+    std::optional<Interval> all = settled;
+    for (const Enclosure& part : enclosures) all = all ? hull(*all, part.range) : part.range;
+    range = intersection(range, *all);
+    loose.clear();
+    const double width = range.width();
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const Enclosure& part = enclosures[i];
+      const bool decides =
+          part.range.lo < range.lo + 0.125 * width || part.range.hi > range.hi - 0.125 * width;
+      if (decides && part.very_loose(width)) {
+        loose.emplace_back(parts[i].box, part);
+      } else {
+        settle(part.range);
+      }
+    }
+  }
   return range;
 }
 
 void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const {
   require(boxes.size() == out.size(), "one interval a box");
-  const BoxBatch batch(boxes);
+  std::vector<BatchBox> batch(boxes.begin(), boxes.end());
+  std::vector<Enclosure> enclosures(boxes.size());
+  enclose_batch(batch, TaylorOrder::first, enclosures);
+  std::vector<BatchBox> open;
+  std::vector<std::size_t> place;
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    out[i] = enclosures[i].range;
+    if (!enclosures[i].hangs_on_remainder()) continue;
+    open.push_back(batch[i]);
+    place.push_back(i);
+  }
+  if (open.empty()) return;
+  enclosures.assign(open.size(), {});
+  enclose_batch(open, TaylorOrder::second, enclosures);
+  for (std::size_t k = 0; k < open.size(); ++k) {
+    out[place[k]] = intersection(out[place[k]], enclosures[k].range);
+  }
+}
+
+void Field::enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
+                          std::span<Enclosure> out) const {
+  const BoxBatch batch(boxes, order);
   require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
   std::vector<std::uint32_t> list;
   near_terms(batch.hull, list);
@@ -338,8 +420,8 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   std::size_t terms = list.size();
   for (const FarField& far : data_->far) terms += far.add_bounds(batch, negligible, sums);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    out[i] =
-        widened(range_of(sums[i], terms, boxes[i]) - Interval(kThreshold), data_->error_budget);
+    const Interval range = range_of(sums[i], terms, boxes[i]) - Interval(kThreshold);
+    out[i] = {widened(range, data_->error_budget), sums[i].remainder + 0.5 * sums[i].range.width()};
   }
 }
 
@@ -347,17 +429,15 @@ std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
   require(box.finite(), "enclose_gradient needs a finite box");
   std::vector<std::uint32_t> list;
   near_terms(box, list);
-  std::array<Interval, 3> sum{};
-  const auto add = [&](const std::array<Interval, 3>& g) {
-    for (std::size_t axis = 0; axis < 3; ++axis) sum[axis] = sum[axis] + g[axis];
-  };
-  for (const std::uint32_t i : list) add(gradient_bound(data_->terms[i], box));
-  for (const FarField& far : data_->far) add(far.gradient_bound(box));
-  return sum;
+  const BatchBox one(box);
+  GradientSum sum;
+  for (const std::uint32_t i : list) add_gradient_bound(data_->terms[i], one, sum);
+  for (const FarField& far : data_->far) far.add_gradient_bound(one, sum);
+  return sum.bound(one);
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {
-  require(order == 1 || order == 2, "derivative bounds exist for orders 1 and 2");
+  require(1 <= order && order <= 4, "derivative bounds exist for orders 1 to 4");
   if (order == 1) {
     const std::array<Interval, 3> g = enclose_gradient(box);
     return norm(Vec3d{g[0].magnitude(), g[1].magnitude(), g[2].magnitude()});
@@ -366,10 +446,10 @@ double Field::derivative_bound(int order, const Aabb& box) const {
   near_terms(box, list);
   double sum = 0;
   for (const std::uint32_t i : list) {
-    sum += hessian_bound(data_->terms[i], box);
+    sum += cs2mesh::derivative_bound(data_->terms[i], order, box);
     if (sum == kInfinity) return sum;
   }
-  for (const FarField& far : data_->far) sum += far.hessian_bound(box);
+  for (const FarField& far : data_->far) sum += far.derivative_bound(order, box);
   return sum;
 }
 

@@ -14,6 +14,8 @@ namespace cs2mesh {
 
 /// What all views of a field share.
 struct FieldData;
+struct BatchBox;
+enum class TaylorOrder;
 
 /// values(), jets() and enclose() are those of F - T. A term is left out of a block of the field's
 /// own lattice where its influence provably stays under its share of the error budget; the shares
@@ -53,9 +55,14 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   std::size_t term_count() const;
 
  private:
+  struct Enclosure;
+
   Field() = default;
   template <class Out>
   void evaluate(std::span<const Vec3d> points, std::span<Out> out) const;
+  void enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
+                     std::span<Enclosure> out) const;
+  Interval enclose_in_parts(const Aabb& box, const Enclosure& whole) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
 
   std::shared_ptr<const FieldData> data_;

@@ -33,15 +33,18 @@ class ImplicitSurface {
 
   /// Contains F(p) for every p in the box, rounding included.
   virtual Interval enclose(const Aabb& box) const = 0;
-  /// Encloses F over each of the boxes, neighbours of much the same size: cheaper than one by one,
-  /// a little wider. `out` is as long as `boxes`.
+  /// Encloses F over each of the boxes, neighbours of much the same size, to tell where F keeps its
+  /// sign: cheaper than one by one, and wider than enclose() except where a sign hangs on it. `out`
+  /// is as long as `boxes`.
   virtual void enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const {
     for (std::size_t i = 0; i < boxes.size(); ++i) out[i] = enclose(boxes[i]);
   }
   /// Contains each component of the gradient for every p in the box; infinite where unknown.
   virtual std::array<Interval, 3> enclose_gradient(const Aabb& box) const = 0;
-  /// An upper bound, over the box, of the operator norm of the derivative of that order (1 or 2);
-  /// infinite where there is none.
+  /// An upper bound, over the box, of the operator norm of the derivative of that order (1 to 4);
+  /// infinite where there is none: where the derivative before it jumps, as at the edges of finite
+  /// supports (from order 3 on) and the creases of solids (from order 2 on), or where none is
+  /// known.
   virtual double derivative_bound(int order, const Aabb& box) const = 0;
 
   /// A box that contains all of {F >= 0}; infinite sides where the set is unbounded.

@@ -3,313 +3,151 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
+#include <numbers>
 
-#include "libfield/field/term_visit.h"
-#include "libfield/integral/bound.h"
-#include "libfield/primitive/uv_gradient.h"
-#include "libfield/profile/profile_slopes.h"
+#include "libfield/field/box_view.h"
+#include "libfield/field/kink_remainder.h"
+#include "libfield/field/quadratic_range.h"
+#include "libfield/field/weight_bounds.h"
 
 namespace cs2mesh {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kEpsilon = std::numeric_limits<double>::epsilon();
-// The closed forms and rules are tested to 64 ulp of backward error.
-constexpr double kBackwardError = 64 * kEpsilon;
+/// The side of difference quotients, in units of half the diagonal: what they are off by stays
+/// under a fortieth of the remainder of second order, and the rounding far below that.
+constexpr double kStep = 1.0 / 64;
 
-/// Longest edge over smallest height of a triangle, 1 for the others: how much the rounding of the
-/// vertices is magnified.
-double condition_number(const Point&) {
-  return 1;
-}
-double condition_number(const Segment&) {
-  return 1;
-}
-double condition_number(const Arc&) {
-  return 1;
-}
-double condition_number(const Plane&) {
-  return 1;
-}
-double condition_number(const Triangle& triangle) {
-  const double longest = size(triangle);
-  return std::min(longest * longest / (2 * measure(triangle)), 1e12);
-}
-
-/// A box in the coordinates of the primitive, as a ball about its centre.
-struct LocalBox {
-  Vec3d center;
-  double radius = 0.0;   ///< half the diagonal, rounded up
-  double stretch = 1.0;  ///< upper bound of |to_local|
-  Aabb box;
-};
-
-double half_diagonal(const Aabb& box) {
-  return 0.5 * box.diagonal() * (1 + 4 * kEpsilon);
-}
-
-LocalBox local_box(const Term& term, const Aabb& box) {
-  const double half = half_diagonal(box);
-  if (!term.to_local) return {box.center(), half, 1.0, box};
-  LocalBox local;
-  local.center = (*term.to_local)(box.center());
-  local.stretch = stretch_bound(term.to_local->linear);
-  local.radius = half * local.stretch;
-  for (int corner = 0; corner < 8; ++corner)
-    local.box.include((*term.to_local)(box.corner(corner)));
-  return local;
-}
-
-/// As distance(arc, p), without an angle: p lies over the arc where cos(azimuth) >= cos(sweep / 2).
-double nearest(const ArcFrame<double>& arc, const Vec3d& p) {
-  const Vec3d d = p - arc.center;
-  const double x = dot(d, arc.ex);
-  const double y = std::abs(dot(d, arc.ey));
-  const double z = dot(d, arc.normal);
-  const double rho = std::sqrt(x * x + y * y);
-  const double cosine = 2 * arc.cos_quarter * arc.cos_quarter - 1;
-  if (x >= rho * cosine) return std::sqrt((rho - arc.radius) * (rho - arc.radius) + z * z);
-  const double dx = x - arc.radius * cosine;
-  const double dy = y - arc.radius * arc.sin_half;
-  return std::sqrt(dx * dx + dy * dy + z * z);
-}
-
-template <class P>
-double nearest(const Term& term, const P& primitive, const Vec3d& p) {
-  if constexpr (std::is_same_v<P, Arc>) {
-    return nearest(std::get<ArcFrame<double>>(term.frame), p);
-  } else {
-    return distance(primitive, p);
-  }
-}
-
-/// Distances from a primitive to a ball, rounded outwards.
-struct Reach {
-  double near = 0.0, far = 0.0;
-  double scale = 0.0;  ///< of the coordinates relative to the primitive
-  double size = 0.0;   ///< of the primitive
-};
-
-template <class P>
-Reach reach(const Term& term, const P& primitive, const LocalBox& local) {
-  Reach r;
-  r.size = size(primitive);
-  const double d = nearest(term, primitive, local.center);
-  r.scale = d + r.size;
-  const double slack = local.radius + 16 * kEpsilon * (r.scale + local.radius);
-  r.near = std::max(0.0, d - slack);
-  r.far = r.scale + slack;
-  return r;
-}
-
-/// derivative_bound() at the near distance; far from a primitive, its mass in the nearest place is
-/// as good and cheaper.
-template <class K, class P>
-double near_bound(const K& kernel, const P& primitive, int order, const Reach& r) {
-  if constexpr (!std::is_same_v<P, Plane>) {
-    if (r.near > r.size) {
-      return measure(primitive) * kernel.derivative_envelope(order, r.near) * (1 + 1e-12);
-    }
-  }
-  return derivative_bound(kernel, primitive, order, r.near);
-}
-
-/// Contains the integral alone.
-template <class K, class P>
-Interval integral_range(const K& kernel, const P& primitive, const Reach& r) {
-  const double highest = near_bound(kernel, primitive, 0, r);
-  // Every element of the primitive is nearer than r.far, and h decreases.
-  const double mass = measure(primitive);
-  const double lowest =
-      std::isfinite(mass) ? mass * kernel.profile(r.far * r.far) * (1 - 1e-12) : 0.0;
-  return {std::min(lowest, highest), highest};
-}
-
-template <class P>
-Interval weight_range(const Term& term, const P& primitive, const Aabb& local) {
-  const auto [u, v] = enclose_uv(primitive, local);
-  return enclose(term.profiles, u, v);
-}
-
-/// Whether w may differ between the two sides of a seam of u or v that the box straddles. The clamp
-/// can hide a difference only where the other coordinate plays no part.
-bool jumps(const StrengthProfile& profile, const UvGradientBound& uv) {
-  StrengthProfile ends = profile;
-  const bool u_alone = profile.along_v == ProfileFunction::one;
-  const bool v_alone = profile.along_u == ProfileFunction::one;
-  if (!u_alone && !v_alone) {
-    ends.lower = -kInfinity;
-    ends.upper = kInfinity;
-  }
-  ends.along_v = ProfileFunction::one;
-  if (uv.seam_u && evaluate(ends, 0, 0).w != evaluate(ends, 1, 0).w) return true;
-  ends.along_v = profile.along_v;
-  ends.along_u = ProfileFunction::one;
-  return uv.seam_v && evaluate(ends, 0, 0).w != evaluate(ends, 0, 1).w;
-}
-
-/// Bounds of w and of each component of grad w over a box.
-struct WeightBound {
-  Interval w;
-  std::array<Interval, 3> gradient;
-};
-
-template <class P>
-WeightBound weight_bound(const Term& term, const P& primitive, const LocalBox& local) {
-  const auto [u, v] = enclose_uv(primitive, local.box);
-  const UvGradientBound slopes = enclose_uv_gradient(primitive, local.box);
-  WeightBound b;
-  b.w = enclose(term.profiles, u, v);
-  const bool jump = std::any_of(term.profiles.begin(), term.profiles.end(),
-                                [&](const StrengthProfile& p) { return jumps(p, slopes); });
-  if (jump) {
-    b.gradient.fill(Interval::everything());
-    return b;
-  }
-  Interval du(0.0), dv(0.0), w(1.0);
-  for (const StrengthProfile& profile : term.profiles) {
-    const Interval one = enclose(profile, u, v);
-    const ProfileSlopes slope = enclose_slopes(profile, u, v);
-    du = du * one + w * slope.du;
-    dv = dv * one + w * slope.dv;
-    w = w * one;
-  }
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    b.gradient[axis] = du * slopes.u[axis] + dv * slopes.v[axis];
-  }
-  return b;
-}
-
-/// The weight, if it is constant over the box, as between the corners of a clamped profile.
-template <class P>
-std::optional<Interval> flat_weight(const Term& term, const P& primitive, const LocalBox& local) {
-  const WeightBound weight = weight_bound(term, primitive, local);
-  for (const Interval& component : weight.gradient) {
-    if (component.magnitude() > std::numeric_limits<double>::min()) return std::nullopt;
-  }
-  return weight.w;
-}
-
-std::array<Interval, 3> ball(const Vec3d& center, double radius) {
-  return {widened(center.x, radius), widened(center.y, radius), widened(center.z, radius)};
-}
-
-/// The transposed linear map applied to a box of gradients.
-std::array<Interval, 3> to_world_gradient(const Term& term, const std::array<Interval, 3>& local) {
-  if (!term.to_local) return local;
-  const Mat3 map = transpose(term.to_local->linear);
-  std::array<Interval, 3> world;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3d& row = map.row[i];
-    world[i] = Interval(row.x) * local[0] + Interval(row.y) * local[1] + Interval(row.z) * local[2];
-  }
-  return world;
-}
-
-/// Bounds of |D^2 I| over parts of a ball, tighter than over all of it, for the price of a few:
-/// they fall with the distance, so a step function of that will do.
-template <class K, class P>
-class TurnSteps {
- public:
-  /// `at_near` is the bound at reach.near, `span` the diameter of the ball.
-  TurnSteps(const K& kernel, const P& primitive, const Reach& reach, double span, double at_near)
-      : kernel_(kernel), primitive_(primitive), near_(reach.near), step_(span / kSteps) {
-    bounds_.fill(-1.0);
-    bounds_[0] = at_near;
-  }
-  double at(double distance) {
-    const double steps = std::clamp((distance - near_) / step_, 0.0, kSteps - 1.0);
-    const auto k = static_cast<std::size_t>(steps);
-    if (bounds_[k] < 0.0) {
-      Reach reach;
-      reach.near = near_ + static_cast<double>(k) * step_;
-      reach.size = size(primitive_);
-      bounds_[k] = near_bound(kernel_, primitive_, 2, reach);
-    }
-    return bounds_[k];
-  }
-
- private:
-  static constexpr int kSteps = 6;
-  const K& kernel_;
-  const P& primitive_;
-  double near_, step_;
-  std::array<double, kSteps> bounds_;
-};
-
-/// Boxes whose integrals are computed together.
-constexpr std::size_t kBatch = 64;
 /// A remainder up to this, in units of T, is small beside what a box of use leaves open.
 constexpr double kSmallRemainder = 1e-3;
+/// Boxes whose integrals are computed together.
+constexpr std::size_t kBatch = 64;
 
-/// Adds weight * I as Taylor polynomials about the centres; `turn` bounds |D^2 I| over the hull.
+/// Adds weight * I as Taylor polynomials about the centres of boxes whose hull is `hull`, over
+/// which `turn` bounds |D^2 I|.
 template <class K, class P>
 class TaylorSum {
  public:
   TaylorSum(const Term& term, const K& kernel, const P& primitive, const LocalBox& hull,
-            const Reach& reach, const Interval& integral, double turn)
+            const Reach& reach, const Interval& integral, double turn, const BoxBatch& batch)
       : term_(term),
         kernel_(kernel),
         primitive_(primitive),
-        hull_(hull),
+        stretch_(hull.stretch),
         reach_(reach),
         integral_(integral),
         turn_(turn),
-        condition_(condition_number(primitive)) {}
+        batch_(batch),
+        condition_(condition_number(primitive)),
+        second_(kernel, primitive, 2, reach.near, span_of(hull, batch)),
+        third_(kernel, primitive, 3, reach.near, span_of(hull, batch)) {}
 
   /// `weight`: what is known of the product of the profiles over all boxes.
-  void add(const BoxBatch& batch, const Interval& weight, double negligible,
-           std::span<SumBound> sums) const {
+  void add(const Interval& weight, double negligible, std::span<SumBound> sums) {
     const bool constant = weight.width() * integral_.hi <= negligible;
-    const double radius = batch.radius * hull_.stretch;
-    const bool near = sums.size() > 1 && 0.5 * turn_ * radius * radius > kSmallRemainder;
-    TurnSteps<K, P> steps(kernel_, primitive_, reach_, 2 * hull_.radius, turn_);
-    std::array<Vec3d, kBatch> local;
+    const double radius = batch_.radius * stretch_;
+    const double small = std::max(negligible, kSmallRemainder);
+    const bool near = 0.5 * turn_ * radius * radius > small;
+    const std::size_t stride = near ? batch_.stride() : 1;
+    const std::size_t run = kBatch / stride;
     std::array<Jet, kBatch> jets;
-    for (std::size_t first = 0; first < sums.size(); first += kBatch) {
-      const std::size_t n = std::min(kBatch, sums.size() - first);
+    std::vector<Vec3d> local;
+    for (std::size_t first = 0; first < sums.size(); first += run) {
+      const std::size_t n = std::min(run, sums.size() - first);
+      find_jets(first, n, stride, local, jets);
       for (std::size_t i = 0; i < n; ++i) {
-        const Vec3d& center = batch.centers[first + i];
-        local[i] = term_.to_local ? (*term_.to_local)(center) : center;
-        jets[i] = Jet{};
-      }
-      add_integrals(term_, kernel_, primitive_, 1.0, {local.data(), n}, std::span(jets.data(), n));
-      for (std::size_t i = 0; i < n; ++i) {
-        const Interval own = constant ? weight : weight_at(batch.boxes[first + i]);
-        const double turn =
-            near ? steps.at(nearest(term_, primitive_, local[i]) - radius - slack(radius)) : turn_;
-        add_one(jets[i], own, turn, sums[first + i]);
+        const std::span own(jets.data() + stride * i, stride);
+        const Place at{batch_.boxes[first + i], local[stride * i], norm(own[0].gradient)};
+        if (term_.to_local) {
+          for (Jet& jet : own) jet.gradient = to_world_gradient(term_, jet.gradient);
+        }
+        const Interval w = constant ? weight : weight_at(at.box.box);
+        if (near) {
+          add_near(own, w, at, sums[first + i]);
+        } else {
+          add_one(own, w, at, 0.5 * turn_ * square(at.box.radius * stretch_), turn_,
+                  sums[first + i]);
+        }
       }
     }
   }
 
  private:
+  /// One box.
+  struct Place {
+    const BatchBox& box;
+    Vec3d center;  ///< in local coordinates
+    double slope;  ///< the norm of the gradient of I there
+  };
+
+  static double square(double x) { return x * x; }
+  static double span_of(const LocalBox& hull, const BoxBatch& batch) {
+    return batch.boxes.size() > 1 ? 2 * hull.radius : 0.0;
+  }
+
   Interval weight_at(const Aabb& box) const {
     return weight_range(term_, primitive_, local_box(term_, box).box);
   }
-  /// As in reach(): of a distance in these coordinates.
-  double slack(double radius) const { return 16 * kEpsilon * (reach_.scale + radius); }
 
-  void add_one(const Jet& jet, const Interval& weight, double turn, SumBound& sum) const {
+  /// The integral at `stride` points of each box.
+  void find_jets(std::size_t first, std::size_t n, std::size_t stride, std::vector<Vec3d>& local,
+                 std::array<Jet, kBatch>& jets) const {
+    local.clear();
+    if (stride == 1) {
+      for (std::size_t i = 0; i < n; ++i) local.push_back(batch_.boxes[first + i].center);
+    } else {
+      batch_.append_points(first, n, local);
+    }
+    local_jets(term_, kernel_, primitive_, local, jets);
+  }
+
+  /// With bounds of the derivatives in that box alone, of the order that leaves less open.
+  void add_near(std::span<const Jet> jets, const Interval& weight, const Place& at, SumBound& sum) {
+    const double radius = at.box.radius * stretch_;
+    const Gap g = gap(term_, primitive_, at.center, at.box.half, radius);
+    // Both pieces of the remainder of box_view.h.
+    const double inner_turn = second_.at(g.near(0.5));
+    const double outer_turn = batch_.boxes.size() == 1 ? turn_ : second_.at(g.near(1.0));
+    const double first = square(radius) * (0.375 * inner_turn + 0.125 * outer_turn);
+    if (jets.size() > 1) {
+      const double cubed = stretch_ * stretch_ * stretch_;
+      const double error =
+          gradient_error(condition_, at.slope, inner_turn, reach_.scale) * stretch_;
+      double second = second_remainder(at.box, cubed * third_.at(g.near(0.5)),
+                                       cubed * third_.at(g.near(1.0)), error);
+      if constexpr (kHasKinks<K> && !std::is_same_v<P, Plane>) {
+        if (second < first) {
+          second += kink_remainder(kernel_, primitive_, at.center, radius, 2 * kStep * radius);
+        }
+      }
+      if (second < first) return add_one(jets, weight, at, second, inner_turn, sum);
+    }
+    add_one(jets.first(1), weight, at, first, outer_turn, sum);
+  }
+
+  void add_one(std::span<const Jet> jets, const Interval& weight, const Place& at, double remainder,
+               double turn, SumBound& sum) const {
     const double middle = 0.5 * (weight.lo + weight.hi);
     const double factor = std::abs(middle);
-    const Vec3d& g = jet.gradient;
-    const double slope = std::abs(g.x) + std::abs(g.y) + std::abs(g.z);
-    sum.center += (term_.sign * middle) * Jet{jet.value, to_world_gradient(term_, g)};
-    sum.hessian += factor * turn * hull_.stretch * hull_.stretch;
+    const double radius = at.box.radius * stretch_;
+    sum.add_polynomial(term_.sign * middle, jets, at.box);
+    sum.remainder += factor * remainder;
     sum.deviation += (0.5 * weight.width() + 4 * kEpsilon * factor) * integral_.hi;
-    sum.rounding +=
-        factor * kBackwardError * (condition_ * std::abs(jet.value) + slope * reach_.scale);
+    sum.rounding += factor * kBackwardError *
+                    (condition_ * (std::abs(jets[0].value) + at.slope * radius) +
+                     (at.slope + turn * radius) * reach_.scale);
   }
 
   const Term& term_;
   const K& kernel_;
   const P& primitive_;
-  const LocalBox& hull_;
+  double stretch_;
   const Reach& reach_;
   const Interval& integral_;
-  double turn_, condition_;
+  double turn_;
+  const BoxBatch& batch_;
+  double condition_;
+  BoundSteps<K, P> second_, third_;
 };
 
 /// add_bounds() for one pair.
@@ -326,30 +164,100 @@ void add_pair(const Term& term, const K& kernel, const P& primitive, const BoxBa
     for (SumBound& sum : sums) sum.range = sum.range + range;
     return;
   }
-  const double turn = near_bound(kernel, primitive, 2, r);
   const double radius = batch.radius * hull.stretch;
-  if (turn * radius * radius < integral.width()) {
-    TaylorSum<K, P>(term, kernel, primitive, hull, r, integral, turn)
-        .add(batch, weight, negligible, sums);
+  const double turn = near_bound(kernel, primitive, 2, r.near);
+  const auto third = [&] { return near_bound(kernel, primitive, 3, r.near); };
+  if (turn * radius * radius < integral.width() ||
+      (batch.order == TaylorOrder::second &&
+       3 * integral.width() > third() * radius * radius * radius)) {
+    TaylorSum<K, P>(term, kernel, primitive, hull, r, integral, turn, batch)
+        .add(weight, negligible, sums);
   } else if (sums.size() == 1) {
     sums[0].range = sums[0].range + range;
   } else {
     for (std::size_t i = 0; i < sums.size(); ++i) {
-      add_pair(term, kernel, primitive, BoxBatch(batch.boxes.subspan(i, 1)), negligible,
-               sums.subspan(i, 1));
+      add_pair(term, kernel, primitive, BoxBatch(batch.boxes.subspan(i, 1), batch.order),
+               negligible, sums.subspan(i, 1));
     }
   }
 }
 
 }  // namespace
 
-BoxBatch::BoxBatch(std::span<const Aabb> boxes_) : boxes(boxes_) {
-  centers.reserve(boxes.size());
-  for (const Aabb& box : boxes) {
-    centers.push_back(box.center());
-    radius = std::max(radius, half_diagonal(box));
-    hull.include(box);
+BatchBox::BatchBox(const Aabb& box_) : box(box_), center(box_.center()), half(half_edges(box_)) {
+  radius = norm(half) * (1 + 4 * kEpsilon);
+  for (std::size_t i = 0; i < 3; ++i) {
+    // Within the half box; as long as the rounding of coordinates lets it be.
+    const double nominal = std::min(kStep * radius, 0.25 * half[i]);
+    const double taken = (center[i] + nominal) - center[i];
+    step[i] = 0.5 * nominal < taken && taken < 2 * nominal ? taken : 0.0;
   }
+}
+
+std::array<Vec3d, 4> BatchBox::points() const {
+  return {center, center + Vec3d{step.x, 0, 0}, center + Vec3d{0, step.y, 0},
+          center + Vec3d{0, 0, step.z}};
+}
+
+BoxBatch::BoxBatch(std::span<const BatchBox> boxes_, TaylorOrder order_)
+    : boxes(boxes_), order(order_) {
+  for (const BatchBox& box : boxes) {
+    radius = std::max(radius, box.radius);
+    hull.include(box.box);
+  }
+}
+
+void BoxBatch::append_points(std::size_t first, std::size_t count,
+                             std::vector<Vec3d>& points) const {
+  for (const BatchBox& box : boxes.subspan(first, count)) {
+    const std::array<Vec3d, 4> all = box.points();
+    points.insert(points.end(), all.begin(), all.begin() + static_cast<std::ptrdiff_t>(stride()));
+  }
+}
+
+Symmetric3 difference_quotient(std::span<const Jet> jets, const BatchBox& box) {
+  const Vec3d& g = jets[0].gradient;
+  const Vec3d x = (jets[1].gradient - g) / box.step.x;
+  const Vec3d y = (jets[2].gradient - g) / box.step.y;
+  const Vec3d z = (jets[3].gradient - g) / box.step.z;
+  return {x.x, y.y, z.z, 0.5 * (x.y + y.x), 0.5 * (x.z + z.x), 0.5 * (y.z + z.y)};
+}
+
+double quotient_error(const BatchBox& box, double inner, double gradient_error) {
+  const Vec3d& step = box.step;
+  const double least = std::min({step.x, step.y, step.z});
+  const double most = std::max({step.x, step.y, step.z});
+  if (!(least > 0)) return std::numeric_limits<double>::infinity();
+  // A column is off by step / 2 |D^3 f| and by the errors of both gradients; the matrix by at most
+  // sqrt(3) times as much.
+  return std::numbers::sqrt3 * (0.5 * most * inner + 2 * gradient_error / least);
+}
+
+void SumBound::add_polynomial(double factor, std::span<const Jet> jets, const BatchBox& box) {
+  center.value += factor * jets[0].value;
+  center.gradient += factor * jets[0].gradient;
+  if (jets.size() > 1) center.hessian += factor * difference_quotient(jets, box);
+}
+
+void SumBound::add_polynomial(std::span<const Jet> jets, double first, double second,
+                              const BatchBox& box) {
+  const bool better = jets.size() > 1 && second < first;
+  add_polynomial(1.0, better ? jets : jets.first(1), box);
+  remainder += better ? second : first;
+}
+
+// The remainders in the two pieces of box_view.h.
+
+double second_remainder(const BatchBox& box, double inner, double outer, double gradient_error) {
+  const double cubic = box.radius * (7.0 / 48 * inner + 1.0 / 48 * outer);
+  const double quotient = quotient_error(box, inner, gradient_error);
+  return box.radius * box.radius * (cubic + 0.5 * quotient);
+}
+
+double second_gradient_remainder(const BatchBox& box, double inner, double outer,
+                                 double gradient_error) {
+  const double square = box.radius * (0.375 * inner + 0.125 * outer);
+  return box.radius * (square + quotient_error(box, inner, gradient_error));
 }
 
 void add_bounds(const Term& term, const BoxBatch& batch, double negligible,
@@ -359,52 +267,12 @@ void add_bounds(const Term& term, const BoxBatch& batch, double negligible,
   });
 }
 
-Interval range_of(const SumBound& sum, std::size_t terms, const Aabb& box) {
-  const Vec3d half = 0.5 * box.extent();
-  const Vec3d& g = sum.center.gradient;
-  const double slope = std::abs(g.x) * half.x + std::abs(g.y) * half.y + std::abs(g.z) * half.z;
+Interval range_of(const SumBound& sum, std::size_t terms, const BatchBox& box) {
+  const Interval polynomial = quadratic_range(sum.center.gradient, sum.center.hessian, box.half);
   // n terms add up to within n / 2 ulp of their magnitudes, in either order.
   const double rounding = sum.rounding * (1 + static_cast<double>(terms) / 32);
-  const double bend = 0.5 * sum.hessian * (0.25 * squared_norm(box.extent()));
-  const double deviation = (slope + bend + sum.deviation + rounding) * (1 + 1e-12);
-  return widened(sum.range + Interval(sum.center.value), deviation);
-}
-
-std::array<Interval, 3> gradient_bound(const Term& term, const Aabb& box) {
-  const LocalBox local = local_box(term, box);
-  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
-    const Reach r = reach(term, primitive, local);
-    const double slope = near_bound(kernel, primitive, 1, r);
-    const double turn = near_bound(kernel, primitive, 2, r) * local.radius;
-    std::array<Interval, 3> gradient = ball({}, slope);
-    if (turn < slope) {
-      const Jet center = integral_of(term, kernel, primitive, local.center);
-      const std::array<Interval, 3> near = ball(center.gradient, turn);
-      for (std::size_t i = 0; i < 3; ++i) gradient[i] = intersection(gradient[i], near[i]);
-    }
-    if (!term.profiles.empty()) {
-      const Interval field = integral_range(kernel, primitive, r);
-      const WeightBound weight = weight_bound(term, primitive, local);
-      for (std::size_t i = 0; i < 3; ++i) {
-        gradient[i] = weight.w * gradient[i] + field * weight.gradient[i];
-      }
-    }
-    for (Interval& component : gradient) component = Interval(term.sign) * component;
-    return to_world_gradient(term, gradient);
-  });
-}
-
-double hessian_bound(const Term& term, const Aabb& box) {
-  const LocalBox local = local_box(term, box);
-  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
-    double factor = local.stretch * local.stretch;
-    if (!term.profiles.empty()) {
-      const std::optional<Interval> flat = flat_weight(term, primitive, local);
-      if (!flat) return kInfinity;
-      factor *= flat->magnitude();
-    }
-    return factor * near_bound(kernel, primitive, 2, reach(term, primitive, local));
-  });
+  const double deviation = (sum.remainder + sum.deviation + rounding) * (1 + 1e-12);
+  return widened(sum.range + Interval(sum.center.value) + polynomial, deviation);
 }
 
 }  // namespace cs2mesh

@@ -74,9 +74,9 @@ double length_bound(const K& kernel, double length, int order, double d) {
 
 }  // namespace detail
 
-/// An upper bound of the operator norm of the derivative of that order (0, 1, 2) of the field at
+/// An upper bound of the operator norm of the derivative of that order (0 to 4) of the field at
 /// all points at least `distance` >= 0 away from the primitive, the kernel's amplitude included.
-/// Infinite where there is none.
+/// Infinite where there is none, as from order 3 on (on planes: 4) within a finite support.
 template <class K>
 double derivative_bound(const K& kernel, const Point&, int order, double distance) {
   return kernel.derivative_envelope(order, distance);

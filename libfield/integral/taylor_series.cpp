@@ -65,16 +65,21 @@ Symmetric3 series_hessian(const Series& series, const Vec3d& x) {
   return sum;
 }
 
-double second_derivative_bound(const Series& series) {
-  // The norm is at most that of the matrix of bounds, which is at most its greatest row sum.
+double derivative_bound(const Series& series, int order) {
+  // With B_ij.. bounds of the components, |D^k[e, ..., e]| <= sum B_ij.. |e_i e_j ..|. A product of
+  // k numbers is at most the mean of their k-th powers, and B is symmetric, so that is at most
+  // sum_i |e_i|^k times the sum of the components with first index i; sum_i |e_i|^k <= 1 from order
+  // 2 on, and at order 1 <= sqrt(3).
   std::array<double, 3> row{};
   visit_powers([&](int a, int b, int c) {
-    const double size = std::abs(series[series_index(a, b, c)]);
-    row[0] += size * a * (a - 1 + b + c);
-    row[1] += size * b * (a + b - 1 + c);
-    row[2] += size * c * (a + b + c - 1);
+    double size = std::abs(series[series_index(a, b, c)]);
+    for (int k = 1; k < order; ++k) size *= a + b + c - k;
+    row[0] += size * a;
+    row[1] += size * b;
+    row[2] += size * c;
   });
-  return std::max({row[0], row[1], row[2]}) * (1 + 1e-12);
+  const double most = std::max({row[0], row[1], row[2]}) * (1 + 1e-12);
+  return order == 1 ? 1.7320508075688774 * most : most;
 }
 
 }  // namespace cs2mesh

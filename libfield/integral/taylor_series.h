@@ -145,7 +145,7 @@ Series recentered(const Series& series, const Vec3d& offset, double scale);
 /// The second derivative of a series at x.
 Symmetric3 series_hessian(const Series& series, const Vec3d& x);
 
-/// An upper bound of the operator norm of the second derivative where all |x_i| <= 1.
-double second_derivative_bound(const Series& series);
+/// An upper bound of the operator norm of the derivative of that order >= 1 where all |x_i| <= 1.
+double derivative_bound(const Series& series, int order);
 
 }  // namespace cs2mesh

@@ -35,7 +35,7 @@ struct Cauchy {
     return T(6) * T(amplitude) * w2 * w2;
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r.
   double derivative_envelope(int order, double r) const {
     const double x = std::min(s * r * (s * r), 1e60);  // powers of it stay finite
     if (order == 0) return rounded_up(amplitude / ((1.0 + x) * (1.0 + x)));
@@ -45,6 +45,7 @@ struct Cauchy {
       const double q = 1.0 + peaked;
       return rounded_up(4.0 * amplitude * s * std::sqrt(peaked) / (q * q * q));
     }
+    if (order > 2) return amplitude * higher_envelope(order, x);
     // Hessian: -4 A s^2 q^-3 across the ray, 4 A s^2 (5x - 1) q^-4 along it, greatest at x = 3/5.
     const double q = 1.0 + x;
     const double peaked = std::max(x, 0.6);
@@ -56,6 +57,29 @@ struct Cauchy {
   double support() const { return std::numeric_limits<double>::infinity(); }
   /// Distance over which h changes by its own size near its top.
   double length_scale() const { return 1.0 / s; }
+
+ private:
+  // For A = 1. In units of 1 / s the derivatives of g are 6 q^-4, -24 q^-5, 120 q^-6. The fourth
+  // derivative along a ray vanishes at the roots of 35 x^2 - 42 x + 3, the fifth at 0 and at those
+  // of 7 x^2 - 14 x + 3.
+  double higher_envelope(int order, double x_) const {
+    static constexpr double kThirdPeaks[] = {0.076277021654, 1.123722978346};
+    static constexpr double kFourthPeaks[] = {0.244071053982, 1.755928946018};
+    const auto square = [](double v) { return v * v; };
+    if (order == 3) {
+      return rounded_up(s * s * s * greatest_from(x_, kThirdPeaks, [&](double x) {
+                          const double w = 1.0 / (1.0 + x);
+                          const double g2 = 6.0 * square(w * w);
+                          return third_derivative_norm(std::sqrt(x), g2, -4.0 * w * g2);
+                        }));
+    }
+    return rounded_up(s * s * (s * s) * greatest_from(x_, kFourthPeaks, [&](double x) {
+                        const double w = 1.0 / (1.0 + x);
+                        const double g2 = 6.0 * square(w * w);
+                        return fourth_derivative_norm(std::sqrt(x), g2, -4.0 * w * g2,
+                                                      20.0 * w * w * g2);
+                      }));
+  }
 };
 
 }  // namespace cs2mesh

@@ -38,7 +38,8 @@ struct Gaussian {
     return -T(a) * T(a) * slope(u);
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r. Infinite for
+  /// orders 3 and 4 where the exponent is cut off somewhere from r on: curvature jumps there.
   double derivative_envelope(int order, double r) const {
     const double x = std::min(a * r * (a * r), 1e15);  // exp(-x) is 0 long before
     if (order == 0) return bounded_exp(x);
@@ -49,6 +50,7 @@ struct Gaussian {
       const double peaked = std::max({x, 0.5, cut});
       return 2.0 * a * std::sqrt(peaked) * bounded_exp(peaked);
     }
+    if (order > 2) return higher_envelope(order, x);
     // Hessian: -2 a^2 h across the ray, (4x - 2) a^2 h along it, greatest at x = 3/2.
     const double peaked = std::max({x, 1.5, cut});
     return a * a * std::max(2.0 * bounded_exp(x), (4.0 * peaked - 2.0) * bounded_exp(peaked));
@@ -59,6 +61,21 @@ struct Gaussian {
   double length_scale() const { return 1.0 / a; }
 
  private:
+  // In units of 1 / a the derivatives of g are h, -h, h. The fourth derivative along a ray is
+  // h (16 x^2 - 48 x + 12), the fifth vanishes at 0 and at the roots of 4 x^2 - 20 x + 15.
+  double higher_envelope(int order, double x_) const {
+    static constexpr double kThirdPeaks[] = {0.275255128608, 2.724744871392};
+    static constexpr double kFourthPeaks[] = {0.918861169916, 4.081138830084};
+    if (x_ <= log_amplitude - kGreatestExponent) return std::numeric_limits<double>::infinity();
+    if (order == 3) {
+      return a * a * a * greatest_from(x_, kThirdPeaks, [&](double x) {
+               return third_derivative_norm(std::sqrt(x), 1.0, -1.0) * bounded_exp(x);
+             });
+    }
+    return a * a * (a * a) * greatest_from(x_, kFourthPeaks, [&](double x) {
+             return fourth_derivative_norm(std::sqrt(x), 1.0, -1.0, 1.0) * bounded_exp(x);
+           });
+  }
   // exp(log A - x) rounded up: the exponent carries an absolute error of a few ulp of its terms.
   double bounded_exp(double x) const {
     const double slack = 1e-15 * (std::abs(log_amplitude) + x);

@@ -4,9 +4,12 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
+#include <limits>
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/kernel/kink.h"
 #include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
@@ -47,9 +50,11 @@ struct Metaball {
     return select(inner, T(0), select(y < T(1), outer, T(0)));
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r. Infinite for
+  /// orders 3 and 4 up to the support's edge, where the curvature jumps.
   double derivative_envelope(int order, double r) const {
     if (r > radius) return 0.0;
+    if (order > 2) return std::numeric_limits<double>::infinity();
     const double y = std::max(r / radius, 1.0 / 3.0);
     const double rest = std::max(0.0, 1.0 - y) + 4e-16;  // rounding near the edge, where h is tiny
     if (order == 0 && 3.0 * r < radius) return rounded_up(profile(r * r));
@@ -57,6 +62,17 @@ struct Metaball {
     if (order == 1) return rounded_up(3.0 * amplitude * rest / radius);
     // Hessian: 3 A (1/y - 1) / R^2 across the ray, 3 A / R^2 along it, -6 A / R^2 within R / 3.
     return rounded_up(3.0 * amplitude * std::max(1.0, rest / y) / (radius * radius));
+  }
+  /// Where the second derivative jumps.
+  std::array<Kink, 2> kinks() const {
+    const double unit = amplitude / (radius * radius);
+    return {Kink{radius / 3.0, 9.0 * unit}, Kink{radius, 3.0 * unit}};
+  }
+  /// An upper bound of |D^3 h| over all distances >= r but for the kinks: 9 A c (1 - c^2) / (R r^2)
+  /// beyond R / 3, where h is a quadratic but for 3 A r / R; greatest at c^2 = 1 / 3.
+  double piece_envelope(double r) const {
+    const double d = std::max(r, radius / 3.0);
+    return r > radius ? 0.0 : rounded_up(2.0 * std::sqrt(3.0) * amplitude / (radius * d * d));
   }
   /// Radius beyond which h is 0.
   double support() const { return radius; }

@@ -3,10 +3,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/kernel/kink.h"
 #include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
@@ -36,9 +39,11 @@ struct Quartic {
     return select(height(u) > T(0), inside, T(0));
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r. Infinite for
+  /// orders 3 and 4 up to the support's edge, where the curvature jumps.
   double derivative_envelope(int order, double r) const {
     if (r > radius) return 0.0;
+    if (order > 2) return std::numeric_limits<double>::infinity();
     const double y = r / radius;
     const double v = std::max(0.0, (1.0 - y) * (1.0 + y)) + 8e-16;  // rounding near the edge
     if (order == 0) return rounded_up(amplitude * v * v);
@@ -49,6 +54,15 @@ struct Quartic {
     }
     // Hessian: -4 A v / R^2 across the ray, A (8 - 12 v) / R^2 along it, greatest at the edge.
     return rounded_up(8.0 * amplitude / (radius * radius));
+  }
+  /// Where the second derivative jumps.
+  std::array<Kink, 1> kinks() const {
+    const double unit = amplitude / (radius * radius);
+    return {Kink{radius, 8.0 * unit}};
+  }
+  /// An upper bound of |D^3 h| over all distances >= r but for the kink: 24 A r c / R^4.
+  double piece_envelope(double r) const {
+    return r > radius ? 0.0 : rounded_up(24.0 * amplitude / (radius * radius * radius));
   }
   /// Radius beyond which h is 0.
   double support() const { return radius; }

@@ -5,10 +5,13 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 
 #include "libfield/kernel/envelope.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/kernel/kink.h"
 #include "libfield/simd/lanes.h"
 
 namespace cs2mesh {
@@ -39,9 +42,11 @@ struct Soft {
     return select(v > T(0), inside, T(0));
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r. Infinite for
+  /// orders 3 and 4 up to the support's edge, where the curvature jumps.
   double derivative_envelope(int order, double r) const {
     if (r > radius) return 0.0;
+    if (order > 2) return std::numeric_limits<double>::infinity();
     const double y = r / radius;
     const double v = std::max(0.0, (1.0 - y) * (1.0 + y)) + 8e-16;  // rounding near the edge
     if (order == 0) return rounded_up(amplitude * v * v * (5.0 + 4.0 * v) / 9.0);
@@ -57,6 +62,18 @@ struct Soft {
     const double w = std::min(v, 0.15);
     const double along = 40.0 + 36.0 * w - 120.0 * w * w;
     return rounded_up(amplitude * std::max(v * (20.0 + 24.0 * v), along) / (9.0 * radius * radius));
+  }
+  /// Where the second derivative jumps.
+  std::array<Kink, 1> kinks() const {
+    const double unit = amplitude / (radius * radius);
+    return {Kink{radius, 40.0 / 9.0 * unit}};
+  }
+  /// An upper bound of |D^3 h| over all distances >= r but for the kink. With z = y c it is
+  /// A / (9 R^3) times 12 z (34 - 24 y^2) - 192 z^3: at most 408 z - 480 z^3 (y = z), whose top is
+  /// at z^2 = 17 / 60, and at least 120 z - 192 z^3 >= -72 (y = 1).
+  double piece_envelope(double r) const {
+    const double top = 272.0 * std::sqrt(17.0 / 60.0);
+    return r > radius ? 0.0 : rounded_up(top / 9.0 * amplitude / (radius * radius * radius));
   }
   /// Radius beyond which h is 0.
   double support() const { return radius; }

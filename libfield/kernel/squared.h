@@ -36,12 +36,18 @@ struct Squared {
     return T(2) * T(amplitude) / (u * u * u);
   }
   /// Least upper bound, widened for rounding, of the operator norm of the derivative of that order
-  /// (0, 1, 2) of h over all distances >= r; non-increasing in r, infinite at 0 if clamp is 0.
+  /// (0 to 4) of h over all distances >= r; non-increasing in r. Infinite from
+  /// order 2 on for r < clamp, where the gradient jumps; at 0 if clamp is 0.
   double derivative_envelope(int order, double r) const {
     const double d = std::max(r, clamp);
     if (order == 0) return rounded_up(amplitude / (d * d));
     if (order == 1) return rounded_up(2.0 * amplitude / (d * d * d));
-    return rounded_up(6.0 * amplitude / (d * d * (d * d)));  // along the ray; 2 d^-4 across
+    if (r < clamp) return std::numeric_limits<double>::infinity();
+    // D^k h[e, ..., e] = (-1)^k k! A r^-(k + 2) U_k(c), and the Chebyshev polynomial of the second
+    // kind is at most k + 1.
+    if (order == 2) return rounded_up(6.0 * amplitude / (d * d * (d * d)));
+    if (order == 3) return rounded_up(24.0 * amplitude / (d * d * (d * d) * d));
+    return rounded_up(120.0 * amplitude / (d * d * d * (d * d * d)));
   }
   /// Radius beyond which h is 0.
   double support() const { return std::numeric_limits<double>::infinity(); }

@@ -72,7 +72,8 @@ bool BoundTree::examine(const Place& place, Cell& cell) const {
     cell.empty = true;
     return false;
   }
-  const Interval range = surface_.enclose(box);
+  Interval range;  // whose sign matters
+  surface_.enclose_each({&box, 1}, {&range, 1});
   cell.empty = range.lo > 0.0 || range.hi < 0.0;
   if (cell.empty) return false;
   cell.hessian = surface_.derivative_bound(2, box);

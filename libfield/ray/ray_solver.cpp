@@ -149,7 +149,9 @@ Aabb Search::box_of(const Piece& piece) const {
 
 Interval Search::enclose(const Aabb& box) {
   ++cost_.bounds;
-  return surface_.enclose(box);
+  Interval range;  // whose sign matters
+  surface_.enclose_each({&box, 1}, {&range, 1});
+  return range;
 }
 
 void Search::bound_slope(Piece& piece, const Aabb& box) {

@@ -92,7 +92,7 @@ std::array<Interval, 3> Combination::enclose_gradient(const Aabb& box) const {
 
 double Combination::derivative_bound(int order, const Aabb& box) const {
   const auto candidates = deciding(box);
-  if (order == 2 && candidates.size() > 1) return std::numeric_limits<double>::infinity();
+  if (order >= 2 && candidates.size() > 1) return std::numeric_limits<double>::infinity();
   double most = 0;
   for (const ImplicitSurface* part : candidates) {
     most = std::max(most, part->derivative_bound(order, box));

@@ -3,6 +3,7 @@
 #include <rapidcheck/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "libfield/integral/bound.h"
@@ -67,6 +68,27 @@ double size_of(const Vec3d& v) {
   return most > 0 ? most * norm(v / most) : 0.0;
 }
 
+/// Divided differences of the gradient are means of the derivatives in between.
+template <class K, class P>
+void check_differences(const K& kernel, const P& primitive, const Case& c, double d,
+                       const Vec3d& way) {
+  const double step = 0.02 * std::min(d, c.length);
+  std::array<Vec3d, 4> gradient;
+  double most = 0.0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double t = (static_cast<double>(i) - 1.5) * step;
+    gradient[i] = integral(kernel, primitive, c.p + t * way).gradient;
+    most = std::max(most, size_of(gradient[i]));
+  }
+  const Vec3d third = (gradient[2] - gradient[1]) - (gradient[1] - gradient[0]);
+  const Vec3d fourth = ((gradient[3] - gradient[2]) - (gradient[2] - gradient[1])) - third;
+  const double noise = 1e-11 * most + 1e-300;
+  const double near = std::max(0.0, d - 1.5 * step);
+  RC_ASSERT(size_of(third) <= derivative_bound(kernel, primitive, 3, near) * step * step + noise);
+  RC_ASSERT(size_of(fourth) <=
+            derivative_bound(kernel, primitive, 4, near) * step * step * step + noise);
+}
+
 void check_at_distance(std::uint64_t seed) {
   const Case c = random_case(seed);
   visit_case(c, [&](const auto& kernel, const auto& primitive) {
@@ -88,6 +110,7 @@ void check_at_distance(std::uint64_t seed) {
     const double noise = 1e-11 * size_of(jet.gradient) / step;
     const double bound = derivative_bound(kernel, primitive, 2, d - step);
     RC_ASSERT(curvature <= bound * (1.0 + 1e-6) + noise + kTiny);
+    if (seed % 3 == 0) check_differences(kernel, primitive, c, d, random.direction());
   });
 }
 
@@ -100,7 +123,7 @@ void check_fall(std::uint64_t seed) {
   Random random(seed, 2);
   std::visit(
       [&](const auto& kernel, const auto& primitive) {
-        for (int order = 0; order <= 2; ++order) {
+        for (int order = 0; order <= 4; ++order) {
           const double near = testing::log_uniform(random, 1e-3, 10.0);
           const double far = near * (1.0 + testing::log_uniform(random, 1e-6, 1.0));
           // Subnormal numbers have too few digits for the relative part.
@@ -118,7 +141,7 @@ RC_GTEST_PROP(Bound, FallsWithDistance, (std::uint64_t seed)) {
 RC_GTEST_PROP(Bound, IsAtMostMeasureTimesEnvelope, (std::uint64_t seed)) {
   const Case c = random_case(seed);
   visit_case(c, [&](const auto& kernel, const auto& primitive) {
-    for (int order = 0; order <= 2; ++order) {
+    for (int order = 0; order <= 4; ++order) {
       const double d = 0.3 * c.length;
       const double crude = measure(primitive) * kernel.derivative_envelope(order, d);
       RC_ASSERT(derivative_bound(kernel, primitive, order, d) <= crude * (1.0 + 1e-10));
@@ -134,7 +157,7 @@ TEST(Bound, VanishesFarAway) {
                    testing::random_primitive(random, i, 1.0), Vec3d{}, 0.5};
       visit_case(c, [&](const auto& kernel, const auto& primitive) {
         for (const double far : {1e20, 1e100, 1e200, HUGE_VAL}) {
-          for (int order = 0; order <= 2; ++order) {
+          for (int order = 0; order <= 4; ++order) {
             const double bound = derivative_bound(kernel, primitive, order, far);
             EXPECT_GE(bound, 0.0) << name_of(kind) << " " << far;
             EXPECT_LE(bound, 1e-18) << name_of(kind) << " " << far;
@@ -167,6 +190,20 @@ TEST(Bound, IsTightForLargePrimitives) {
         },
         kernel);
   }
+}
+
+// The greatest fourth derivatives of the fields of an endless line (45 pi / 2 and 12 sqrt(pi)) and
+// of a plane, which bounds by distance alone may exceed.
+TEST(Bound, OfFourthOrderIsNotMuchMoreThanTheGreatest) {
+  const Segment segment{{-50, 0, 0}, {50, 0, 0}};
+  EXPECT_LE(derivative_bound(Cauchy{1.0}, segment, 4, 0.0), 1.45 * 70.686);
+  EXPECT_LE(derivative_bound(Gaussian{1.0}, segment, 4, 0.0), 1.55 * 21.269);
+  const Triangle triangle{{Vec3d{-50, -30, 0}, Vec3d{50, -30, 0}, Vec3d{0, 60, 0}}};
+  const auto ratio = [&](const auto& kernel) {
+    return derivative_bound(kernel, triangle, 4, 0.0) / derivative_bound(kernel, Plane{}, 4, 0.0);
+  };
+  EXPECT_LE(ratio(Cauchy{1.0}), 2.0);
+  EXPECT_LE(ratio(Gaussian{1.0}), 2.4);
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 
 namespace cs2mesh {
@@ -102,6 +103,56 @@ TEST_P(KernelTest, EnvelopeIsTheLeastNonIncreasingUpperBound) {
   }
 }
 
+/// |D^k h[e, ..., e]| at distance r, c the cosine between e and the ray: differences of step 1e-9
+/// in fifty digits.
+double derivative_along(const Kernel& kernel, int order, double r, double c) {
+  using Wide = boost::multiprecision::cpp_bin_float_50;
+  const Wide h = Wide("1e-9") * r;
+  const auto at = [&](int steps) -> Wide {
+    const Wide t = steps * h;
+    return std::visit(
+        [&](const auto& k) { return k.profile(Wide(Wide(r) * r + 2 * t * r * c + t * t)); },
+        kernel);
+  };
+  const Wide third = (at(2) - 2 * at(1) + 2 * at(-1) - at(-2)) / (2 * h * h * h);
+  if (order == 3) return std::abs(static_cast<double>(third));
+  const Wide fourth = (at(2) - 4 * at(1) + 6 * at(0) - 4 * at(-1) + at(-2)) / (h * h * h * h);
+  return std::abs(static_cast<double>(fourth));
+}
+
+TEST_P(KernelTest, HigherEnvelopesAreTheGreatestDerivativesInAnyDirection) {
+  if (std::isfinite(std::visit([](const auto& k) { return k.support(); }, kernel_))) {
+    for (const int order : {3, 4}) {  // the curvature jumps at the edge
+      EXPECT_TRUE(std::isinf(envelope(order, 0.0)));
+      EXPECT_TRUE(std::isinf(envelope(order, kWidth)));
+      EXPECT_EQ(envelope(order, kWidth * 1.001), 0.0);
+    }
+    return;
+  }
+  for (const int order : {3, 4}) {
+    double greatest = 0.0;  // from far to near
+    for (double r = 8.0; r > 0.02; r *= 0.95) {
+      for (int i = 0; i <= 10; ++i) {
+        greatest = std::max(greatest, derivative_along(kernel_, order, r, 0.1 * i));
+      }
+      EXPECT_GE(envelope(order, r), greatest * (1 - 1e-12)) << "order " << order << " at " << r;
+      if (r < 7.0) {
+        EXPECT_LE(envelope(order, r), greatest * 1.03) << "order " << order << " at " << r;
+      }
+    }
+  }
+}
+
+// The greatest of all, as published for unit width and amplitude.
+TEST(KernelBounds, ReachTheKnownConstants) {
+  EXPECT_NEAR(Gaussian{1.0}.derivative_envelope(2, 0.0), 2.0, 1e-9);
+  EXPECT_NEAR(Gaussian{1.0}.derivative_envelope(4, 0.0), 12.0, 1e-9);
+  EXPECT_NEAR(Cauchy{1.0}.derivative_envelope(2, 0.0), 4.0, 1e-9);
+  EXPECT_NEAR(Cauchy{1.0}.derivative_envelope(4, 0.0), 72.0, 1e-9);
+  EXPECT_NEAR(Inverse{}.derivative_envelope(4, 2.0), 24.0 / 32, 1e-9);
+  EXPECT_NEAR(Squared{}.derivative_envelope(4, 2.0), 120.0 / 64, 1e-9);
+}
+
 TEST_P(KernelTest, SupportIsWhereTheProfileEnds) {
   const double support = std::visit([](const auto& k) { return k.support(); }, kernel_);
   if (std::isinf(support)) {
@@ -139,6 +190,8 @@ TEST(GaussianKernel, HugeAmplitudesStayFinite) {
     EXPECT_GE(stiff.derivative_envelope(1, r), std::abs(2.0 * r * stiff.slope(r * r)));
     before = stiff.derivative_envelope(1, r);
   }
+  EXPECT_TRUE(std::isinf(stiff.derivative_envelope(3, 0.4)));  // the cut-off is at r = 0.5
+  EXPECT_TRUE(std::isfinite(stiff.derivative_envelope(3, 0.501)));
 }
 
 TEST(InverseKernels, ClampHoldsTheValueAndDropsTheGradient) {
@@ -149,7 +202,10 @@ TEST(InverseKernels, ClampHoldsTheValueAndDropsTheGradient) {
   const Squared squared{2.0, 0.25};
   EXPECT_EQ(squared.profile(0.0), 32.0);
   EXPECT_EQ(squared.slope(0.01), 0.0);
-  EXPECT_TRUE(std::isfinite(squared.derivative_envelope(2, 0.0)));
+  // The gradient jumps at the clamp.
+  EXPECT_TRUE(std::isfinite(squared.derivative_envelope(1, 0.0)));
+  EXPECT_TRUE(std::isinf(squared.derivative_envelope(2, 0.0)));
+  EXPECT_TRUE(std::isfinite(squared.derivative_envelope(4, 0.25)));
 }
 
 }  // namespace

@@ -1,0 +1,81 @@
+// Bounds of the product w(u, v) of a term's strength profiles, and of its gradient, over a box.
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <optional>
+
+#include "libfield/base/interval.h"
+#include "libfield/field/box_view.h"
+#include "libfield/primitive/uv_gradient.h"
+#include "libfield/profile/profile_slopes.h"
+
+namespace cs2mesh {
+
+template <class P>
+Interval weight_range(const Term& term, const P& primitive, const Aabb& local) {
+  const auto [u, v] = enclose_uv(primitive, local);
+  return enclose(term.profiles, u, v);
+}
+
+/// Whether w may differ between the two sides of a seam of u or v that the box straddles. The clamp
+/// can hide a difference only where the other coordinate plays no part.
+inline bool jumps(const StrengthProfile& profile, const UvGradientBound& uv) {
+  StrengthProfile ends = profile;
+  const bool u_alone = profile.along_v == ProfileFunction::one;
+  const bool v_alone = profile.along_u == ProfileFunction::one;
+  if (!u_alone && !v_alone) {
+    ends.lower = -std::numeric_limits<double>::infinity();
+    ends.upper = std::numeric_limits<double>::infinity();
+  }
+  ends.along_v = ProfileFunction::one;
+  if (uv.seam_u && evaluate(ends, 0, 0).w != evaluate(ends, 1, 0).w) return true;
+  ends.along_v = profile.along_v;
+  ends.along_u = ProfileFunction::one;
+  return uv.seam_v && evaluate(ends, 0, 0).w != evaluate(ends, 0, 1).w;
+}
+
+/// Bounds of w and of each component of grad w over a box.
+struct WeightBound {
+  Interval w;
+  std::array<Interval, 3> gradient;
+};
+
+template <class P>
+WeightBound weight_bound(const Term& term, const P& primitive, const LocalBox& local) {
+  const auto [u, v] = enclose_uv(primitive, local.box);
+  const UvGradientBound slopes = enclose_uv_gradient(primitive, local.box);
+  WeightBound b;
+  b.w = enclose(term.profiles, u, v);
+  const bool jump = std::any_of(term.profiles.begin(), term.profiles.end(),
+                                [&](const StrengthProfile& p) { return jumps(p, slopes); });
+  if (jump) {
+    b.gradient.fill(Interval::everything());
+    return b;
+  }
+  Interval du(0.0), dv(0.0), w(1.0);
+  for (const StrengthProfile& profile : term.profiles) {
+    const Interval one = enclose(profile, u, v);
+    const ProfileSlopes slope = enclose_slopes(profile, u, v);
+    du = du * one + w * slope.du;
+    dv = dv * one + w * slope.dv;
+    w = w * one;
+  }
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    b.gradient[axis] = du * slopes.u[axis] + dv * slopes.v[axis];
+  }
+  return b;
+}
+
+/// The weight, if it is constant over the box, as between the corners of a clamped profile.
+template <class P>
+std::optional<Interval> flat_weight(const Term& term, const P& primitive, const LocalBox& local) {
+  const WeightBound weight = weight_bound(term, primitive, local);
+  for (const Interval& component : weight.gradient) {
+    if (component.magnitude() > std::numeric_limits<double>::min()) return std::nullopt;
+  }
+  return weight.w;
+}
+
+}  // namespace cs2mesh
