@@ -26,6 +26,9 @@ double condition_number(const Point&) {
 double condition_number(const Segment&) {
   return 1;
 }
+double condition_number(const TaperedSegment&) {
+  return 1;
+}
 double condition_number(const Arc&) {
   return 1;
 }
@@ -109,7 +112,7 @@ template <class K, class P>
 double near_bound(const K& kernel, const P& primitive, int order, const Reach& r) {
   if constexpr (!std::is_same_v<P, Plane>) {
     if (r.near > r.size) {
-      return measure(primitive) * kernel.derivative_envelope(order, r.near) * (1 + 1e-12);
+      return mass_bound(primitive) * kernel.derivative_envelope(order, r.near) * (1 + 1e-12);
     }
   }
   return derivative_bound(kernel, primitive, order, r.near);
@@ -124,6 +127,40 @@ Interval integral_range(const K& kernel, const P& primitive, const Reach& r) {
   const double lowest =
       std::isfinite(mass) ? mass * kernel.profile(r.far * r.far) * (1 - 1e-12) : 0.0;
   return {std::min(lowest, highest), highest};
+}
+
+/// Where the weight may be of both signs, int w h is between its least and its greatest value, or
+/// 0, times int h. Where it is not negative, every element of it is nearer than r.far, as above.
+template <class K>
+Interval integral_range(const K& kernel, const TaperedSegment& segment, const Reach& r) {
+  const SegmentWeight& w = segment.weight;
+  if (std::min({w.b0, w.b1, w.b2}) >= 0) {
+    const double highest = near_bound(kernel, segment, 0, r);
+    const double mass = mean(w) * measure(segment);
+    return {std::min(mass * kernel.profile(r.far * r.far) * (1 - 1e-12), highest), highest};
+  }
+  const double plain = near_bound(kernel, segment.axis, 0, r);
+  const Interval weights = hull(range(w), 0.0);
+  return {weights.lo * plain * (1 + 1e-12), weights.hi * plain * (1 + 1e-12)};
+}
+
+/// Value and gradient whose rounding is that of a field's, if they are greater than the field's
+/// own: where a weight has coefficients of both signs, those of the field with their absolute
+/// values.
+struct RoundingSize {
+  double value = 0.0, slope = 0.0;
+};
+template <class K, class P>
+RoundingSize rounding_size(const K& /*kernel*/, const P& /*primitive*/, const Reach& /*r*/) {
+  return {};
+}
+template <class K>
+RoundingSize rounding_size(const K& kernel, const TaperedSegment& segment, const Reach& r) {
+  const SegmentWeight& w = segment.weight;
+  if (std::min({w.b0, w.b1, w.b2}) >= 0) return {};
+  const double greatest = std::max({std::abs(w.b0), std::abs(w.b1), std::abs(w.b2)});
+  return {greatest * near_bound(kernel, segment.axis, 0, r),
+          greatest * near_bound(kernel, segment.axis, 1, r)};
 }
 
 template <class P>
@@ -256,12 +293,13 @@ class TaylorSum {
         reach_(reach),
         integral_(integral),
         turn_(turn),
-        condition_(condition_number(primitive)) {}
+        condition_(condition_number(primitive)),
+        least_(rounding_size(kernel, primitive, reach)) {}
 
   /// `weight`: what is known of the product of the profiles over all boxes.
   void add(const BoxBatch& batch, const Interval& weight, double negligible,
            std::span<SumBound> sums) const {
-    const bool constant = weight.width() * integral_.hi <= negligible;
+    const bool constant = weight.width() * integral_.magnitude() <= negligible;
     const double radius = batch.radius * hull_.stretch;
     const bool near = sums.size() > 1 && 0.5 * turn_ * radius * radius > kSmallRemainder;
     TurnSteps<K, P> steps(kernel_, primitive_, reach_, 2 * hull_.radius, turn_);
@@ -298,9 +336,10 @@ class TaylorSum {
     const double slope = std::abs(g.x) + std::abs(g.y) + std::abs(g.z);
     sum.center += (term_.sign * middle) * Jet{jet.value, to_world_gradient(term_, g)};
     sum.hessian += factor * turn * hull_.stretch * hull_.stretch;
-    sum.deviation += (0.5 * weight.width() + 4 * kEpsilon * factor) * integral_.hi;
-    sum.rounding +=
-        factor * kBackwardError * (condition_ * std::abs(jet.value) + slope * reach_.scale);
+    sum.deviation += (0.5 * weight.width() + 4 * kEpsilon * factor) * integral_.magnitude();
+    sum.rounding += factor * kBackwardError *
+                    (condition_ * std::max(std::abs(jet.value), least_.value) +
+                     std::max(slope, least_.slope) * reach_.scale);
   }
 
   const Term& term_;
@@ -310,6 +349,7 @@ class TaylorSum {
   const Reach& reach_;
   const Interval& integral_;
   double turn_, condition_;
+  RoundingSize least_;
 };
 
 /// add_bounds() for one pair.

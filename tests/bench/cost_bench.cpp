@@ -93,8 +93,8 @@ double scalar_cost(const Term& term, const std::vector<Vec3d>& points) {
   volatile double keep = 0.0;
   return std::visit(
              [&](const auto& kernel, const auto& primitive) {
-               if constexpr (kDiverges<std::decay_t<decltype(kernel)>,
-                                       std::decay_t<decltype(primitive)>>) {
+               if constexpr (!kHasField<std::decay_t<decltype(kernel)>,
+                                        std::decay_t<decltype(primitive)>>) {
                  return 0.0;
                } else {
                  return least_time([&] {

@@ -181,7 +181,7 @@ double digits_lost(const Jet& jet, const reference::Exact& exact) {
 
 /// Whether a pair has a form for every number type, to compare with.
 template <class K, class P>
-inline constexpr bool kHasWide = !kNeedsQuadrature<K, P> && !kDiverges<K, P> &&
+inline constexpr bool kHasWide = !kNeedsQuadrature<K, P> && kHasField<K, P> &&
                                  (std::is_same_v<K, Cauchy> || !std::is_same_v<P, Arc>);
 
 double worst_of(KernelKind kernel_kind, std::size_t shape, const Family& family) {
