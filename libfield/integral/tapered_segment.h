@@ -338,10 +338,10 @@ requires(kIsDouble<T>) TaperedLine<T> tapered_line(const Gaussian& kernel,
 
 template <class K, class T>
 JetOf<T> tapered_segment(const K& kernel, const TaperedFrame<T>& segment, const Vec3<T>& point) {
-  using std::abs;
   const SegmentPlace<T> at(segment.axis, point);
   if (!any(at.near)) return {};
-  const auto from_start = abs(at.t1) <= abs(at.t2);
+  // |t1| <= |t2|; where both round to the same, their sign tells.
+  const auto from_start = T(at.t1 + at.t2) >= T(0);
   const TaperedLine<T> line = tapered_line(kernel, TaperedPlace<T>(segment, at, from_start));
   const T along = select(from_start, line.along, T(-line.along));
   const JetOf<T> jet{line.value, line.across * at.perp + along * segment.axis.axis};
