@@ -222,11 +222,12 @@ requires(!kIsDouble<T>) TaperedLine<T> tapered_line(const Gaussian& kernel,
   return {value, T(-2) * a * a * value, moments.weighted_along(weight, at)};
 }
 
-/// From this exponent's variation along the segment on moments lose at most two bits: those beyond
-/// the foot are differences of tails, 1 - e^-3 (1 + 3 + 9/2) of which remains for m2; on the
-/// segment a g >= 0.87, where erf(a g) is three times its difference to a g exp(-(a g)^2). Fourteen
-/// nodes reach 4e-18 up to it, eight 4e-18 up to kFlatDelta.
-inline constexpr double kSteepDelta = 3.0;
+/// From this on, of delta beyond the foot and of 4 (a g)^2 >= (a L)^2 on the segment, moments lose
+/// at most two bits: beyond the foot m2 is a difference of tails, of which 1 - e^-2 (1 + 2 + 2) =
+/// 0.32 remains; on the segment a g >= 0.7, where int exp(-t^2) over [0, a g] is 3.4 times its
+/// difference to a g exp(-(a g)^2). Up to it 14 nodes are exact to 1e-20, eight to 4e-18 up to
+/// kFlatDelta.
+inline constexpr double kSteepDelta = 2.0;
 
 /// What the forms over doubles have in common; lengths in units of 1 / a.
 template <class T>
@@ -318,11 +319,12 @@ requires(kIsDouble<T>) TaperedLine<T> tapered_line(const Gaussian& kernel,
   of.h_near = of.top * of.below_top;
 
   const T variation = select(at.beyond, of.delta, of.q);
+  const T steepness = select(at.beyond, of.delta, T(T(4) * of.far * of.far));
   const T b = of.b(at.beyond);
   FirstOf<T, TaperedLine<T>> lines(alive);
   const bool done = lines.take(variation <= T(kFlatDelta), [&] {
     return tapered_gaussian_nodes<8>(a2, at, of.h_near, flat_gaussian_profile(b, of.q));
-  }) || lines.take(variation <= T(kSteepDelta), [&] {
+  }) || lines.take(steepness <= T(kSteepDelta), [&] {
     return tapered_gaussian_nodes<14>(a2, at, of.h_near, steep_gaussian_profile(b, of.q));
   });
   if (done) return lines.result();
