@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -92,7 +93,8 @@ template <class K>
 void check(const K& kernel, const TaperedSegment& segment, const Vec3d& point, double scale,
            double condition, Worst& plain, Worst& packed) {
   const TaperedReference reference(kernel, segment, point, scale, condition);
-  plain.include(reference.error(integral(kernel, segment, point)));
+  const Jet alone = integral(kernel, segment, point);
+  plain.include(reference.error(alone));
   const Term term = testing::plain_term(kernel, segment);
   testing::with_every_isa([&](Isa) {
     std::array<Vec3d, 4> points;
@@ -100,6 +102,7 @@ void check(const K& kernel, const TaperedSegment& segment, const Vec3d& point, d
     std::array<Jet, 4> jets{};
     accumulate(term, points, jets);
     packed.include(reference.error(jets[3]));
+    EXPECT_EQ(jets[3], alone);  // the same bits
   });
 }
 
