@@ -12,11 +12,21 @@ Segment read_segment(Arguments& args) {
   return {base, apex};
 }
 
+/// [taper W0 W1 [WMID]]: weights at the base, at the apex and in the middle.
+std::optional<SegmentWeight> read_taper(Arguments& args) {
+  if (!args.take_if("taper", 2)) return std::nullopt;
+  const double base = args.number("the weight at the base");
+  const double apex = args.number("the weight at the apex");
+  if (!args.more()) return linear_weight(base, apex);
+  return quadratic_weight(base, args.number("the weight in the middle"), apex);
+}
+
 void rod(SceneBuilder& builder, Arguments& args, Spelling spelling) {
   const int material = builder.read_material(args);
   const double radius = args.positive("the radius");
   const Segment axis = read_segment(args);
-  builder.add(args, ElementKind::cylinder, axis, material, radius, spelling);
+  const std::optional<SegmentWeight> taper = read_taper(args);
+  builder.add(args, ElementKind::cylinder, axis, material, radius, spelling, taper);
 }
 
 void point(SceneBuilder& builder, Arguments& args, ElementKind kind) {
@@ -53,7 +63,8 @@ void gauss(SceneBuilder& builder, Arguments& args) {
 void line(SceneBuilder& builder, Arguments& args) {
   const int material = builder.read_material(args);
   const Segment segment = read_segment(args);
-  builder.add(args, ElementKind::line, segment, material);
+  const std::optional<SegmentWeight> taper = read_taper(args);
+  builder.add(args, ElementKind::line, segment, material, std::nullopt, Spelling::plain, taper);
 }
 
 void triangle(SceneBuilder& builder, Arguments& args) {

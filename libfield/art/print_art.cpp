@@ -53,6 +53,7 @@ class Printer {
   void print_material(std::size_t index);
   void print_element(const Element& element);
   void print_curve(const Element& element);
+  void print_taper(const SegmentWeight& weight);
   void print_transform(const Affine& map, const std::string& indent);
   void print_level(int object);
   std::string indent() const { return std::string(2 * static_cast<std::size_t>(depth_), ' '); }
@@ -189,6 +190,11 @@ void Printer::print_curve(const Element& element) {
         << std::min(360.0, arc.sweep * kDegreesPerRadian);
 }
 
+void Printer::print_taper(const SegmentWeight& weight) {
+  *this << " taper " << weight.b0 << " " << weight.b2;
+  if (weight != linear_weight(weight.b0, weight.b2)) *this << " " << middle_value(weight);
+}
+
 void Printer::print_element(const Element& element) {
   const std::string_view command = element.spelling == Spelling::pipe    ? "pipe"
                                    : element.spelling == Spelling::torus ? "torus"
@@ -209,6 +215,7 @@ void Printer::print_element(const Element& element) {
     case ElementKind::line:
       *this << std::get<Segment>(element.skeleton).a << ", "
             << std::get<Segment>(element.skeleton).b;
+      if (element.taper) print_taper(*element.taper);
       break;
     case ElementKind::triangle:
       for (const Vec3d& vertex : std::get<Triangle>(element.skeleton).vertex) {

@@ -73,13 +73,15 @@ bool SceneBuilder::has_room(Arguments& args, std::size_t elements, std::size_t o
 }
 
 void SceneBuilder::add(Arguments& args, ElementKind kind, const Primitive& skeleton, int material,
-                       std::optional<double> own_radius, Spelling spelling) {
+                       std::optional<double> own_radius, Spelling spelling,
+                       std::optional<SegmentWeight> taper) {
   if (!args.finish() || !has_room(args, 1, 0)) return;
   Element element;
   element.kind = kind;
   element.spelling = spelling;
   element.skeleton = skeleton;
   element.own_radius = own_radius;
+  element.taper = taper;
   element.material = material;
   element.object = open_.empty() ? -1 : open_.back().index;
   element.where = args.opcode_location();

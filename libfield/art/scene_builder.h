@@ -40,7 +40,8 @@ class SceneBuilder {
   int material_named(Arguments& args);
   /// Adds a primitive to the innermost open object. Without effect if `args` has failed.
   void add(Arguments& args, ElementKind kind, const Primitive& skeleton, int material,
-           std::optional<double> own_radius = std::nullopt, Spelling spelling = Spelling::plain);
+           std::optional<double> own_radius = std::nullopt, Spelling spelling = Spelling::plain,
+           std::optional<SegmentWeight> taper = std::nullopt);
 
   /// Opens an object; a chain if it has a material.
   void open_object(Arguments& args, std::string_view name, int chain_material = -1);

@@ -85,6 +85,9 @@ inline double separation(const Point& point, const Vec3d& p, const Vec3d& direct
 inline double separation(const Segment& segment, const Vec3d& p, const Vec3d& direction) {
   return std::min(dot(p - segment.a, direction), dot(p - segment.b, direction));
 }
+inline double separation(const TaperedSegment& segment, const Vec3d& p, const Vec3d& direction) {
+  return separation(segment.axis, p, direction);
+}
 inline double separation(const Triangle& triangle, const Vec3d& p, const Vec3d& direction) {
   const auto& v = triangle.vertex;
   return std::min({dot(p - v[0], direction), dot(p - v[1], direction), dot(p - v[2], direction)});
@@ -125,7 +128,7 @@ double near_bound(const K& kernel, const P& primitive, int order, double near) {
   if constexpr (!std::is_same_v<P, Plane>) {
     // Remainders of higher order are worth a closer look.
     if (near > (order > 2 ? 2.0 : 1.0) * size(primitive)) {
-      return measure(primitive) * kernel.derivative_envelope(order, near) * (1 + 1e-12);
+      return mass_bound(primitive) * kernel.derivative_envelope(order, near) * (1 + 1e-12);
     }
   }
   return derivative_bound(kernel, primitive, order, near);
@@ -159,6 +162,10 @@ inline double box_distance(const Segment& segment, const Aabb& box) {
   return most;
 }
 
+inline double box_distance(const TaperedSegment& segment, const Aabb& box) {
+  return box_distance(segment.axis, box);
+}
+
 /// A lower bound of the distance of the primitive from a box, an upper bound of that of any of its
 /// elements, and the scale of coordinates relative to it.
 struct Reach {
@@ -186,6 +193,40 @@ Interval integral_range(const K& kernel, const P& primitive, const Reach& r) {
   const double lowest =
       std::isfinite(mass) ? mass * kernel.profile(r.far * r.far) * (1 - 1e-12) : 0.0;
   return {std::min(lowest, highest), highest};
+}
+
+/// Where the weight may be of both signs, int w h is between its least and its greatest value, or
+/// 0, times int h. Where it is not negative, every element of it is nearer than r.far, as above.
+template <class K>
+Interval integral_range(const K& kernel, const TaperedSegment& segment, const Reach& r) {
+  const SegmentWeight& w = segment.weight;
+  if (std::min({w.b0, w.b1, w.b2}) >= 0) {
+    const double highest = near_bound(kernel, segment, 0, r.near);
+    const double mass = mean(w) * measure(segment);
+    return {std::min(mass * kernel.profile(r.far * r.far) * (1 - 1e-12), highest), highest};
+  }
+  const double plain = near_bound(kernel, segment.axis, 0, r.near);
+  const Interval weights = hull(range(w), 0.0);
+  return {weights.lo * plain * (1 + 1e-12), weights.hi * plain * (1 + 1e-12)};
+}
+
+/// Value and gradient whose rounding is that of a field's, if they are greater than the field's
+/// own: where a weight has coefficients of both signs, those of the field with their absolute
+/// values.
+struct RoundingSize {
+  double value = 0.0, slope = 0.0;
+};
+template <class K, class P>
+RoundingSize rounding_size(const K& /*kernel*/, const P& /*primitive*/, const Reach& /*r*/) {
+  return {};
+}
+template <class K>
+RoundingSize rounding_size(const K& kernel, const TaperedSegment& segment, const Reach& r) {
+  const SegmentWeight& w = segment.weight;
+  if (std::min({w.b0, w.b1, w.b2}) >= 0) return {};
+  const double greatest = std::max({std::abs(w.b0), std::abs(w.b1), std::abs(w.b2)});
+  return {greatest * near_bound(kernel, segment.axis, 0, r.near),
+          greatest * near_bound(kernel, segment.axis, 1, r.near)};
 }
 
 // The closed forms and rules are tested to 64 ulp of backward error.

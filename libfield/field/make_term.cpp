@@ -1,5 +1,6 @@
 #include "libfield/field/make_term.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -99,6 +100,25 @@ void fold_similarity(Term& term, KernelShape& shape, const Affine& map, double k
   shape.radius *= k;
 }
 
+/// The weight of a taper and the strength of its element as a term holds them.
+struct FoldedTaper {
+  SegmentWeight weight;
+  double strength;
+};
+
+/// The size of the weight goes into the strength, so that weights of any size compute like those of
+/// size 1 (a power of two: nothing is rounded). Signs move so that the field of a term of negative
+/// strength is nowhere positive, which the bounds of the surface rely on.
+FoldedTaper folded(const SegmentWeight& w, double strength) {
+  const double greatest = std::max({std::abs(w.b0), std::abs(w.b1), std::abs(w.b2)});
+  if (!(greatest > 0)) return {w, 0.0};
+  const bool none_positive = std::max({w.b0, w.b1, w.b2}) <= 0;
+  const bool some_negative = std::min({w.b0, w.b1, w.b2}) < 0;
+  const double sign = none_positive || (strength < 0 && some_negative) ? -1.0 : 1.0;
+  const double unit = sign * std::ldexp(1.0, std::ilogb(greatest));
+  return {{w.b0 / unit, w.b1 / unit, w.b2 / unit}, strength * unit};
+}
+
 }  // namespace
 
 bool is_degenerate(const Primitive& primitive, double radius) {
@@ -120,6 +140,11 @@ Result<MadeTerm> make_term(const Scene& scene, const Element& element) {
                     Failure::unmeshable);
   }
 
+  if (element.taper && kind != KernelKind::cauchy && kind != KernelKind::gaussian) {
+    return error_at(element.where, "the kernel " + quoted(name_of(kind)) +
+                                       " takes no taper, expected 'cauchy' or 'gaussian'");
+  }
+
   // A primitive of no size is a point, unless the plain integral is asked for.
   Term term;
   bool degenerate = false;
@@ -136,7 +161,15 @@ Result<MadeTerm> make_term(const Scene& scene, const Element& element) {
   if (!found) return Result<MadeTerm>::failure(found.diagnostics());
   KernelShape shape = *found;
   made.radius = shape.radius;
-  if (material.strength == 0) return {made, notes};
+  double strength = material.strength;
+  if (element.taper && degenerate) {
+    strength *= mean(*element.taper);
+  } else if (element.taper) {
+    const FoldedTaper taper = folded(*element.taper, strength);
+    term.primitive = TaperedSegment{std::get<Segment>(term.primitive), taper.weight};
+    strength = taper.strength;
+  }
+  if (strength == 0) return {made, notes};
 
   // Similarities are folded in, other maps are applied to each point; so are those under a profile,
   // whose coordinates turn with the element.
@@ -150,14 +183,15 @@ Result<MadeTerm> make_term(const Scene& scene, const Element& element) {
     made.radius /= stretch_bound(term.to_local->linear);
   }
 
-  const double strength = std::abs(material.strength);
+  const double size_of_strength = std::abs(strength);
   const double clamp =
       1e-6 * (shape.radius > 0 ? shape.radius
                                : std::visit([](const auto& p) { return size(p); }, term.primitive));
-  term.kernel = make_kernel(shape.kind, shape.isolation.width, shape.isolation.strength * strength,
-                            shape.isolation.log_strength + std::log(strength), clamp);
+  term.kernel =
+      make_kernel(shape.kind, shape.isolation.width, shape.isolation.strength * size_of_strength,
+                  shape.isolation.log_strength + std::log(size_of_strength), clamp);
   term.frame = frame_of(term.primitive);
-  term.sign = material.strength < 0 ? -1.0 : 1.0;
+  term.sign = strength < 0 ? -1.0 : 1.0;
   term.profiles = material.profiles;
   term.material = element.material;
   made.term = std::move(term);

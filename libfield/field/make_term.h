@@ -19,7 +19,8 @@ struct MadeTerm {
 
 /// Width and amplitude follow from (R, B) by the rule of isolation, or from `width`. Errors, at the
 /// element: neither radius nor width in force; no blobbiness; an inverse kernel on a plane
-/// (unmeshable). A primitive of negligible measure becomes a point, with a note.
+/// (unmeshable); a taper with a kernel other than Cauchy and Gaussian. A primitive of negligible
+/// measure becomes a point, with a note.
 Result<MadeTerm> make_term(const Scene& scene, const Element& element);
 
 /// Whether the measure of the primitive is negligible beside R (1e-12 R, 1e-12 R^2 for areas).

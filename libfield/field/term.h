@@ -19,8 +19,8 @@ namespace cs2mesh {
 
 /// What the closed forms need of a primitive, computed once; alternatives in the order of
 /// Primitive.
-using Frame =
-    std::variant<Point, SegmentFrame<double>, ArcFrame<double>, TriangleFrame<double>, Plane>;
+using Frame = std::variant<Point, SegmentFrame<double>, ArcFrame<double>, TriangleFrame<double>,
+                           Plane, TaperedFrame<double>>;
 Frame frame_of(const Primitive& primitive);
 
 /// Kernel and primitive are in scene coordinates, unless `to_local` is set: then in those to which

@@ -39,12 +39,13 @@ class TaylorSum {
         turn_(turn),
         batch_(batch),
         condition_(condition_number(primitive)),
+        least_(rounding_size(kernel, primitive, reach)),
         second_(kernel, primitive, 2, reach.near, span_of(hull, batch)),
         third_(kernel, primitive, 3, reach.near, span_of(hull, batch)) {}
 
   /// `weight`: what is known of the product of the profiles over all boxes.
   void add(const Interval& weight, double negligible, std::span<SumBound> sums) {
-    const bool constant = weight.width() * integral_.hi <= negligible;
+    const bool constant = weight.width() * integral_.magnitude() <= negligible;
     const double radius = batch_.radius * stretch_;
     const double small = std::max(negligible, kSmallRemainder);
     const bool near = 0.5 * turn_ * radius * radius > small;
@@ -57,7 +58,8 @@ class TaylorSum {
       find_jets(first, n, stride, local, jets);
       for (std::size_t i = 0; i < n; ++i) {
         const std::span own(jets.data() + stride * i, stride);
-        const Place at{batch_.boxes[first + i], local[stride * i], norm(own[0].gradient)};
+        const Place at{batch_.boxes[first + i], local[stride * i],
+                       std::max(norm(own[0].gradient), least_.slope)};
         if (term_.to_local) {
           for (Jet& jet : own) jet.gradient = to_world_gradient(term_, jet.gradient);
         }
@@ -132,10 +134,11 @@ class TaylorSum {
     const double radius = at.box.radius * stretch_;
     sum.add_polynomial(term_.sign * middle, jets, at.box);
     sum.remainder += factor * remainder;
-    sum.deviation += (0.5 * weight.width() + 4 * kEpsilon * factor) * integral_.hi;
-    sum.rounding += factor * kBackwardError *
-                    (condition_ * (std::abs(jets[0].value) + at.slope * radius) +
-                     (at.slope + turn * radius) * reach_.scale);
+    sum.deviation += (0.5 * weight.width() + 4 * kEpsilon * factor) * integral_.magnitude();
+    sum.rounding +=
+        factor * kBackwardError *
+        (condition_ * (std::max(std::abs(jets[0].value), least_.value) + at.slope * radius) +
+         (at.slope + turn * radius) * reach_.scale);
   }
 
   const Term& term_;
@@ -147,6 +150,7 @@ class TaylorSum {
   double turn_;
   const BoxBatch& batch_;
   double condition_;
+  RoundingSize least_;
   BoundSteps<K, P> second_, third_;
 };
 

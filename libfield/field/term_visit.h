@@ -14,18 +14,16 @@
 
 namespace cs2mesh {
 
-/// Calls f(kernel, primitive) with the alternatives held, but for the pairs that diverge, which
-/// compile() never lets through.
+/// Calls f(kernel, primitive) with the alternatives held, but for the pairs that have no field,
+/// which compile() never lets through.
 template <class F>
 auto visit_pair(const Term& term, F&& f) {
   return std::visit(
       [&f](const auto& kernel, const auto& primitive) {
         using K = std::decay_t<decltype(kernel)>;
         using P = std::decay_t<decltype(primitive)>;
-        constexpr bool kDiverges =
-            std::is_same_v<P, Plane> && (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>);
-        if constexpr (kDiverges) {
-          require(false, "an inverse kernel diverges on a plane");
+        if constexpr (!kHasField<K, P>) {
+          require(false, "that kernel has no field over that primitive");
           return f(Cauchy{1.0}, primitive);
         } else {
           return f(kernel, primitive);
@@ -46,6 +44,10 @@ struct FrameTypeOf<Segment> {
 template <>
 struct FrameTypeOf<Arc> {
   using type = ArcFrame<double>;
+};
+template <>
+struct FrameTypeOf<TaperedSegment> {
+  using type = TaperedFrame<double>;
 };
 template <>
 struct FrameTypeOf<Triangle> {

@@ -13,6 +13,7 @@
 //    >= c^2 sin^2 phi (phi <= pi/2; c^2 beyond) for any rho. So u >= d^2 + 3.2 c^2 sin^2(phi / 2)
 //    where rho >= 0.8 c, else u >= max(d, 0.2 c, c sin phi)^2. Both are worst for the arc's middle
 //    nearest to p: each level of these is shorter anywhere else.
+//  - TaperedSegment: at most the greatest |w| times the bound of its axis.
 //  - Plane: greatest values of its closed form.
 // Non-increasing in d. About 40 to 200 ns.
 #pragma once
@@ -85,6 +86,23 @@ double derivative_bound(const K& kernel, const Point&, int order, double distanc
 template <class K>
 double derivative_bound(const K& kernel, const Segment& segment, int order, double distance) {
   return detail::length_bound(kernel, measure(segment), order, distance);
+}
+
+/// What a derivative of the field is at most times the kernel's envelope at the near end: the
+/// measure of the primitive, weighted.
+template <class P>
+double mass_bound(const P& primitive) {
+  return measure(primitive);
+}
+inline double mass_bound(const TaperedSegment& segment) {
+  return range(segment.weight).magnitude() * measure(segment.axis);
+}
+
+template <class K>
+double derivative_bound(const K& kernel, const TaperedSegment& segment, int order,
+                        double distance) {
+  return rounded_up(range(segment.weight).magnitude() *
+                    derivative_bound(kernel, segment.axis, order, distance));
 }
 
 template <class K>

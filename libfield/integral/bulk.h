@@ -46,7 +46,8 @@ using BulkRow = std::tuple<
     AddIntegrals<Soft, ArcFrame<double>, Out>, AddIntegrals<Quartic, ArcFrame<double>, Out>,
     AddIntegrals<Cauchy, Plane, Out>, AddIntegrals<Gaussian, Plane, Out>,
     AddIntegrals<Metaball, Plane, Out>, AddIntegrals<Soft, Plane, Out>,
-    AddIntegrals<Quartic, Plane, Out>>;
+    AddIntegrals<Quartic, Plane, Out>, AddIntegrals<Cauchy, TaperedFrame<double>, Out>,
+    AddIntegrals<Gaussian, TaperedFrame<double>, Out>>;
 
 /// weights[i] = weight(profile, frame, points[i]) for i < count; where `Out` is double, w alone.
 template <class F, class Out>

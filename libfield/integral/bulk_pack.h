@@ -13,6 +13,7 @@
 #include "libfield/integral/plane.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
+#include "libfield/integral/tapered_segment.h"
 #include "libfield/profile/along.h"
 #include "libfield/simd/twice.h"
 
@@ -40,6 +41,7 @@ struct BulkPack {
   static Plane in_lanes(const Plane& plane) { return plane; }
   static SegmentFrame<T> in_lanes(const SegmentFrame<double>& f) { return SegmentFrame<T>(f); }
   static ArcFrame<T> in_lanes(const ArcFrame<double>& f) { return ArcFrame<T>(f); }
+  static TaperedFrame<T> in_lanes(const TaperedFrame<double>& f) { return TaperedFrame<T>(f); }
 
   /// Adds f(p) for each of the points. Flattened: no call remains that another unit could serve,
   /// and nothing is computed for a gradient that is not asked for.
@@ -193,7 +195,9 @@ struct BulkPack {
             &add<Gaussian, Plane, Out>,
             &add<Metaball, Plane, Out>,
             &add<Soft, Plane, Out>,
-            &add<Quartic, Plane, Out>};
+            &add<Quartic, Plane, Out>,
+            &add<Cauchy, TaperedFrame<double>, Out>,
+            &add<Gaussian, TaperedFrame<double>, Out>};
   }
   template <class Out>
   static consteval BulkWeights<Out> weights() {

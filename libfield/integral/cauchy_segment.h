@@ -53,11 +53,11 @@ T cauchy_tail(const T& y) {
   return polynomial(kTailPowers, T(y * T(2.0 / kTailReach) - T(1)));
 }
 
-/// Gauss-Legendre over the whole stretch.
+/// 1 / v at the nodes of Gauss-Legendre over the whole stretch.
 template <std::size_t N, class T>
-CauchyLine<T> cauchy_line_nodes(const T& s2, const T& t1, const T& length, const T& p) {
+std::array<T, N> cauchy_line_profile(const T& s2, const T& t1, const T& length, const T& p) {
   constexpr const UnitRule<N>& rule = kUnitRule<N>;
-  // Separate loops: the divisions are independent and overlap.
+  // A loop of its own: the divisions are independent and overlap.
   std::array<T, N> w;
   const auto v = [&](std::size_t i) {
     const T t = t1 + length * T(rule.node[i]);
@@ -68,6 +68,14 @@ CauchyLine<T> cauchy_line_nodes(const T& s2, const T& t1, const T& length, const
     w[i] = two.of_a;
     w[i + 1] = two.of_b;
   }
+  return w;
+}
+
+/// Gauss-Legendre over the whole stretch.
+template <std::size_t N, class T>
+CauchyLine<T> cauchy_line_nodes(const T& s2, const T& t1, const T& length, const T& p) {
+  constexpr const UnitRule<N>& rule = kUnitRule<N>;
+  const std::array<T, N> w = cauchy_line_profile<N>(s2, t1, length, p);
   std::array<T, 2> j1{}, j2{}, j3{};
   for (std::size_t i = 0; i < N; i += 2) {
     for (std::size_t chain = 0; chain < 2; ++chain) {
@@ -116,28 +124,43 @@ CauchyLine<T> cauchy_line_tail(const T& s, const T& near, const T& far, const T&
   return out;
 }
 
-/// Integrals over t1 <= t <= t2 = t1 + length at squared distance c2 from the line.
+/// Either of the two, for a stretch long against its distance: in the lanes that are set.
 template <class T>
-CauchyLine<T> cauchy_line(const T& s, const T& t1, const T& t2, const T& length, const T& c2) {
+CauchyLine<T> cauchy_line_long(const T& s, const T& t1, const T& t2, const T& length, const T& p,
+                               const Reciprocals<T>& w, const MaskOf<T>& lanes) {
   using std::abs;
   using std::max;
   using std::min;
+  const auto closed = [&] { return cauchy_line_closed(s, t1, t2, length, p, w.of_a, w.of_b); };
+  if constexpr (kIsDouble<T>) {
+    const T near = min(abs(t1), abs(t2)), far = max(abs(t1), abs(t2));
+    const auto first = t1 > T(0);
+    const auto outside = !(first ^ (t2 > T(0)));
+    FirstOf<T, CauchyLine<T>> lines(lanes);
+    lines.take(outside & (T(kTailReach) * (s * s) * (near * near) >= p), [&] {
+      return cauchy_line_tail(s, near, far, p, select(first, w.of_a, w.of_b),
+                              select(first, w.of_b, w.of_a));
+    });
+    return lines.otherwise(closed);
+  } else {
+    return closed();
+  }
+}
+
+/// Integrals over t1 <= t <= t2 = t1 + length at squared distance c2 from the line.
+template <class T>
+CauchyLine<T> cauchy_line(const T& s, const T& t1, const T& t2, const T& length, const T& c2) {
   using std::sqrt;
   const T s2 = s * s;
   const T p = T(1) + s2 * c2;
   const T v1 = p + s2 * (t1 * t1);
   const T v2 = p + s2 * (t2 * t2);
   const Reciprocals<T> w(v1, v2);
-  const T &w1 = w.of_a, &w2 = w.of_b;
-  const auto closed = [&] { return cauchy_line_closed(s, t1, t2, length, p, w1, w2); };
   CauchyLine<T> out;
   if constexpr (kIsDouble<T>) {
     // The squared sum of the distances of the ends to the poles.
     const T reach = v1 + v2 + T(2) * sqrt(v1 * v2);
     const T scale = s2 * (length * length);
-    const T near = min(abs(t1), abs(t2)), far = max(abs(t1), abs(t2));
-    const auto first = t1 > T(0);
-    const auto outside = !(first ^ (t2 > T(0)));
     FirstOf<T, CauchyLine<T>> lines;
     const bool done = lines.take(reach > T(kReach4 * kReach4) * scale, [&] {
       return cauchy_line_nodes<4>(s2, t1, length, p);
@@ -145,14 +168,14 @@ CauchyLine<T> cauchy_line(const T& s, const T& t1, const T& t2, const T& length,
       return cauchy_line_nodes<8>(s2, t1, length, p);
     }) || lines.take(reach > T(kReach14 * kReach14) * scale, [&] {
       return cauchy_line_nodes<14>(s2, t1, length, p);
-    }) || lines.take(outside & (T(kTailReach) * s2 * (near * near) >= p), [&] {
-      return cauchy_line_tail(s, near, far, p, select(first, w1, w2), select(first, w2, w1));
     });
-    out = done ? lines.result() : lines.otherwise(closed);
+    out = done ? lines.result() : lines.otherwise([&] {
+      return cauchy_line_long(s, t1, t2, length, p, w, lines.left());
+    });
   } else {
-    out = closed();
+    out = cauchy_line_long(s, t1, t2, length, p, w, true);
   }
-  out.drop = s2 * (length * (t1 + t2)) * (w1 * w2) * (w1 + w2);
+  out.drop = s2 * (length * (t1 + t2)) * (w.of_a * w.of_b) * (w.of_a + w.of_b);
   return out;
 }
 

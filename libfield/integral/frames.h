@@ -13,6 +13,7 @@
 #include "libfield/integral/gauss_legendre.h"
 #include "libfield/primitive/arc.h"
 #include "libfield/primitive/segment.h"
+#include "libfield/primitive/tapered_segment.h"
 #include "libfield/primitive/triangle.h"
 #include "libfield/simd/lanes.h"
 
@@ -47,6 +48,24 @@ struct SegmentFrame {
   template <class U>
   explicit SegmentFrame(const SegmentFrame<U>& f)
       : a(f.a), b(f.b), axis(f.axis), length(f.length) {}
+};
+
+template <class T>
+struct TaperedFrame {
+  SegmentFrame<T> axis;
+  T inverse_length;  ///< finite: shorter ones count as of 1e-300
+  T b0, b1, b2;      ///< of the weight
+
+  explicit TaperedFrame(const TaperedSegment& segment)
+      : axis(segment.axis),
+        inverse_length(T(1) / (axis.length > T(1e-300) ? axis.length : T(1e-300))),
+        b0(segment.weight.b0),
+        b1(segment.weight.b1),
+        b2(segment.weight.b2) {}
+  /// The same frame in another number type.
+  template <class U>
+  explicit TaperedFrame(const TaperedFrame<U>& f)
+      : axis(f.axis), inverse_length(f.inverse_length), b0(f.b0), b1(f.b1), b2(f.b2) {}
 };
 
 template <class T>

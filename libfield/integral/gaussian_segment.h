@@ -31,9 +31,9 @@ namespace detail {
 
 inline constexpr double kFlatDelta = 0.35;
 
-/// int_0^1 exp(-(b x + q x^2)) dx for |b x + q x^2| <= kFlatDelta on [0, 1].
+/// exp(-(b x + q x^2)) at eight nodes, for |b x + q x^2| <= kFlatDelta on [0, 1].
 template <class T>
-T flat_gaussian(const T& b, const T& q) {
+std::array<T, 8> flat_gaussian_profile(const T& b, const T& q) {
   constexpr const UnitRule<8>& rule = kUnitRule<8>;
   std::array<T, 8> y, e;
   for (std::size_t i = 0; i < 8; ++i) {
@@ -57,6 +57,14 @@ T flat_gaussian(const T& b, const T& q) {
   for (const double c : kInverseFactorial) {
     for (std::size_t i = 0; i < 8; ++i) e[i] = e[i] * y[i] + T(c);
   }
+  return e;
+}
+
+/// int_0^1 exp(-(b x + q x^2)) dx for |b x + q x^2| <= kFlatDelta on [0, 1].
+template <class T>
+T flat_gaussian(const T& b, const T& q) {
+  constexpr const UnitRule<8>& rule = kUnitRule<8>;
+  const std::array<T, 8> e = flat_gaussian_profile(b, q);
   T sum(0);
   for (std::size_t i = 0; i < 4; ++i) sum += T(rule.weight[i]) * (e[i] + e[7 - i]);
   return sum;

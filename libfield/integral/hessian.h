@@ -8,6 +8,8 @@
 //  inverse   closed   quadrature   quadrature   edges near it, else quadrature divergent
 //  others    closed   quadrature   quadrature   quadrature                     closed or divergent
 //
+// Segments with a weight: quadrature.
+//
 // Quadrature uses the panels of quadrature.h, with the moments of K' beside those of K. Where K
 // keeps its sign and some direction is perpendicular to all d (points, segments, arcs in whose
 // plane p lies) it is an eigenvector of eigenvalue int 2K, so that nothing cancels: the error is a
@@ -97,6 +99,14 @@ Symmetric3 raw_hessian(const K& kernel, const Segment& segment, const Vec3d& p) 
   } else {
     return assembled(moments<LineMoments2>(kernel, at, kHessianReach), at.perp, at.axis);
   }
+}
+
+/// Quadrature, as of any kernel: the weight is polynomial and adds no singularity.
+template <class K>
+Symmetric3 raw_hessian(const K& kernel, const TaperedSegment& segment, const Vec3d& p) {
+  const LineView at(segment.axis, p);
+  const auto weight = [&](double t) { return value_at(segment.weight, (t - at.t1) / at.length); };
+  return assembled(moments<LineMoments2>(kernel, at, kHessianReach, weight), at.perp, at.axis);
 }
 
 /// int 2K and the moments of 4K': 1, g, g^2, sin phi, g sin phi, sin^2 phi.
@@ -276,7 +286,7 @@ inline Symmetric3 saturated(const Symmetric3& h) {
 /// moved by a few ulp (in slivers, times longest edge over smallest height). See the head of this
 /// file.
 template <class K, class P>
-requires(!kDiverges<K, P>) Symmetric3 hessian(const K& kernel, const P& primitive, const Vec3d& p) {
+requires(kHasField<K, P>) Symmetric3 hessian(const K& kernel, const P& primitive, const Vec3d& p) {
   if (!(measure(primitive) > 0.0) || detail::vanishes(kernel, primitive, p)) return {};
   if constexpr (detail::kIsInverse<K>) {
     if (distance(primitive, p) < detail::least_distance(kernel, primitive)) return {};
@@ -294,7 +304,7 @@ Symmetric3 hessian(const K& kernel, const Point& point, const Vec3d& p) {
 
 /// f depends on the distance d from the plane alone, f' = -2 pi d h, f'' = -2 pi (h + 2 d^2 K).
 template <class K>
-requires(!kDiverges<K, Plane>) Symmetric3
+requires(kHasField<K, Plane>) Symmetric3
     hessian(const K& kernel, const Plane& plane, const Vec3d& p) {
   const double d = dot(p - plane.point, plane.normal);
   const double u = d * d;
@@ -305,7 +315,7 @@ requires(!kDiverges<K, Plane>) Symmetric3
 /// Value, gradient and second derivative; the first two are those of integral(kernel, primitive,
 /// p).
 template <class K, class P>
-requires(!kDiverges<K, P>) Jet2 second_jet(const K& kernel, const P& primitive, const Vec3d& p) {
+requires(kHasField<K, P>) Jet2 second_jet(const K& kernel, const P& primitive, const Vec3d& p) {
   const Jet jet = integral(kernel, primitive, p);
   return {jet.value, jet.gradient, hessian(kernel, primitive, p)};
 }

@@ -10,6 +10,9 @@
 //  soft      closed       closed              nodes (exact)   closed              closed
 //  quartic   closed       closed              nodes (exact)   closed              closed
 //
+// A segment with a weight along it is closed with Cauchy and Gaussian, and has no field with the
+// others.
+//
 // To add a closed form: its file, its #include here, its word in this table.
 #pragma once
 
@@ -31,11 +34,18 @@
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
 #include "libfield/integral/support_triangle.h"
+#include "libfield/integral/tapered_segment.h"
 
 namespace cs2mesh {
 
 /// Whether the field of that kernel over that primitive is infinite everywhere.
 template <class K, class P>
 inline constexpr bool kDiverges = detail::kIsInverse<K>&& std::is_same_v<P, Plane>;
+
+/// Whether there is a field of that kernel over that primitive.
+template <class K, class P>
+inline constexpr bool kHasField =
+    !kDiverges<K, P> && (!std::is_same_v<P, TaperedSegment> || std::is_same_v<K, Cauchy> ||
+                         std::is_same_v<K, Gaussian>);
 
 }  // namespace cs2mesh

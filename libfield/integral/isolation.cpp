@@ -73,6 +73,11 @@ Isolated<Plane> isolated(const Plane&, double radius) {
   return {Plane{}, {0.0, 0.0, radius}};
 }
 
+/// The strength of a tapered segment is that of its axis, whose weight is 1.
+Isolated<Segment> isolated(const TaperedSegment& segment, double radius) {
+  return isolated(segment.axis, radius);
+}
+
 }  // namespace
 
 Isolation isolate_at_width(KernelKind kind, const Primitive& primitive, double radius,
@@ -88,7 +93,7 @@ Isolation isolate_at_width(KernelKind kind, const Primitive& primitive, double r
         if constexpr (kDiverges<K, P>) {
           return std::numeric_limits<double>::infinity();
         } else {
-          const Isolated<P> alone = isolated(p, radius);
+          const auto alone = isolated(p, radius);
           return integral(k, alone.primitive, alone.characteristic).value;
         }
       },

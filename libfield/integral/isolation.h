@@ -9,8 +9,9 @@
 //         v = 20 / ((5b - 2) + sqrt((5b - 2)^2 + 160 b + 480));
 //     the inverse kernels have no width: B does not matter to them.
 // Strength S = 1 / f at the characteristic point, f the field of unit amplitude. That point is at R
-// beside the middle of a segment, at R above the middle of an arc or the centroid of a triangle,
-// anywhere at R from a point or plane. S reaches e^1000, so its logarithm is what counts.
+// beside the middle of a segment (of weight 1, if it has one along it), at R above the middle of an
+// arc or the centroid of a triangle, anywhere at R from a point or plane. S reaches e^1000, so its
+// logarithm is what counts.
 #pragma once
 
 #include "libfield/kernel/kind.h"

@@ -103,10 +103,15 @@ Panel line_verdict(const K& kernel, double c2, const Piece& piece, double o, dou
   }
 }
 
-/// The moments over t1 <= t <= t2 = t1 + length at squared distance c2 from the line.
-template <class Moments = LineMoments, class K>
-Moments line_moments(const K& kernel, double c2, double t1, double t2, double length,
-                     double reach) {
+/// The weight of a plain segment.
+struct EvenWeight {
+  double operator()(double /*t*/) const { return 1.0; }
+};
+
+/// The moments over t1 <= t <= t2 = t1 + length at squared distance c2 from the line, weighted.
+template <class Moments = LineMoments, class K, class Weight = EvenWeight>
+Moments line_moments(const K& kernel, double c2, double t1, double t2, double length, double reach,
+                     const Weight& weight = {}) {
   Moments sum;
   const Pieces pieces = pieces_of(t1, t2, length);
   for (std::size_t i = 0; i < pieces.count; ++i) {
@@ -117,7 +122,7 @@ Moments line_moments(const K& kernel, double c2, double t1, double t2, double le
       Moments part;
       for (std::size_t j = 0; j < kOrder; ++j) {
         const double t = piece.start + (o + rule.node[j] * panel);
-        part.add(kernel, rule.weight[j], c2 + t * t, t);
+        part.add(kernel, rule.weight[j] * weight(piece.sign * t), c2 + t * t, t);
       }
       sum.add_panel(panel, piece.sign, part);
     };
@@ -176,9 +181,10 @@ struct LineView {
   }
 };
 
-template <class Moments, class K>
-Moments moments(const K& kernel, const LineView& at, double reach) {
-  return line_moments<Moments>(kernel, squared_norm(at.perp), at.t1, at.t2, at.length, reach);
+template <class Moments, class K, class Weight = EvenWeight>
+Moments moments(const K& kernel, const LineView& at, double reach, const Weight& weight = {}) {
+  return line_moments<Moments>(kernel, squared_norm(at.perp), at.t1, at.t2, at.length, reach,
+                               weight);
 }
 
 template <class K>

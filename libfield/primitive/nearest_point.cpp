@@ -16,6 +16,10 @@ Vec3d nearest_point(const Segment& segment, const Vec3d& p) {
                   : segment.a + std::clamp(t, 0.0, 1.0) * ab;
 }
 
+Vec3d nearest_point(const TaperedSegment& segment, const Vec3d& p) {
+  return nearest_point(segment.axis, p);
+}
+
 Vec3d nearest_point(const Arc& arc, const Vec3d& p) {
   const Vec3d d = p - arc.center;
   const double half = 0.5 * arc.sweep;

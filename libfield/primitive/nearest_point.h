@@ -9,6 +9,7 @@ namespace cs2mesh {
 /// are nearest, one of them.
 Vec3d nearest_point(const Point& point, const Vec3d& p);
 Vec3d nearest_point(const Segment& segment, const Vec3d& p);
+Vec3d nearest_point(const TaperedSegment& segment, const Vec3d& p);
 Vec3d nearest_point(const Arc& arc, const Vec3d& p);
 Vec3d nearest_point(const Triangle& triangle, const Vec3d& p);
 Vec3d nearest_point(const Plane& plane, const Vec3d& p);

@@ -8,10 +8,11 @@
 #include "libfield/primitive/plane.h"
 #include "libfield/primitive/point.h"
 #include "libfield/primitive/segment.h"
+#include "libfield/primitive/tapered_segment.h"
 #include "libfield/primitive/triangle.h"
 
 namespace cs2mesh {
 
-using Primitive = std::variant<Point, Segment, Arc, Triangle, Plane>;
+using Primitive = std::variant<Point, Segment, Arc, Triangle, Plane, TaperedSegment>;
 
 }  // namespace cs2mesh

@@ -21,5 +21,8 @@ UvGradientBound enclose_uv_gradient(const Segment& segment, const Aabb& box);
 UvGradientBound enclose_uv_gradient(const Arc& arc, const Aabb& box);
 UvGradientBound enclose_uv_gradient(const Triangle& triangle, const Aabb& box);
 UvGradientBound enclose_uv_gradient(const Plane& plane, const Aabb& box);
+inline UvGradientBound enclose_uv_gradient(const TaperedSegment& segment, const Aabb& box) {
+  return enclose_uv_gradient(segment.axis, box);
+}
 
 }  // namespace cs2mesh

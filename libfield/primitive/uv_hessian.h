@@ -13,6 +13,9 @@ struct UvHessian {
 
 UvHessian uv_hessian(const Point& point, const Vec3d& p);
 UvHessian uv_hessian(const Segment& segment, const Vec3d& p);
+inline UvHessian uv_hessian(const TaperedSegment& segment, const Vec3d& p) {
+  return uv_hessian(segment.axis, p);
+}
 UvHessian uv_hessian(const Arc& arc, const Vec3d& p);
 UvHessian uv_hessian(const Triangle& triangle, const Vec3d& p);
 UvHessian uv_hessian(const Plane& plane, const Vec3d& p);

@@ -55,9 +55,11 @@ struct Element {
   Spelling spelling = Spelling::plain;
   Primitive skeleton;
   std::optional<double> own_radius;  ///< > 0; sphere, cylinder, arc, arch have one
-  Affine transform;                  ///< applied to this element alone
-  int material = 0;                  ///< index into Scene::materials
-  int object = -1;                   ///< index into Scene::objects; -1: outside every object
+  /// The weight along a segment of a line or cylinder, inside the convolution integral.
+  std::optional<SegmentWeight> taper;
+  Affine transform;  ///< applied to this element alone
+  int material = 0;  ///< index into Scene::materials
+  int object = -1;   ///< index into Scene::objects; -1: outside every object
   SourceLocation where;
 };
 

@@ -75,6 +75,10 @@ Result<MadeSolid> make_solid(const Scene& scene, const Element& element, bool of
     return error_at(element.where,
                     "a hard triangle has no thickness, expected a surface with 'blobbiness'");
   }
+  if (element.taper && !offset) {
+    return error_at(element.where, "a hard " + std::string(name_of(element.kind)) +
+                                       " has no taper, expected a surface with 'blobbiness'");
+  }
   const std::optional<double> radius = radius_of(scene, element);
   if (!radius) {
     return error_at(element.where, "a " + std::string(name_of(element.kind)) +

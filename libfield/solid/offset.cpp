@@ -28,6 +28,10 @@ Symmetric3 distance_hessian(const Segment& segment, const Vec3d& p, const Vec3d&
   return round - (1 / norm(p - nearest)) * squared(normalized(segment.b - segment.a));
 }
 
+Symmetric3 distance_hessian(const TaperedSegment& segment, const Vec3d& p, const Vec3d& nearest) {
+  return distance_hessian(segment.axis, p, nearest);
+}
+
 /// Beside the arc the circle bends away: along it 1 / rho of the part of e that is away from the
 /// axis.
 Symmetric3 distance_hessian(const Arc& arc, const Vec3d& p, const Vec3d& nearest) {

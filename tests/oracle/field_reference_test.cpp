@@ -99,7 +99,7 @@ Kernel kernel_of(const Row& row) {
 /// The field of one primitive alone; not a number where it is infinite, of which there is no row.
 template <class K, class P>
 Jet evaluate(const K& kernel, const P& primitive, const Vec3d& point) {
-  if constexpr (kDiverges<K, P>) {
+  if constexpr (!kHasField<K, P>) {
     return {std::numeric_limits<double>::quiet_NaN(), {}};
   } else {
     return integral(kernel, primitive, point);

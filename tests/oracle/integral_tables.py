@@ -5,6 +5,8 @@
 
 gauss_legendre_table.inc  nodes and weights of Gauss-Legendre rules of even order on [-1, 1];
 erfcx_table.inc           powers of t of (1 + 2x) erfcx(x), t = (x - 3) / (x + 3), x >= 0;
+erfcx_first_table.inc     powers of t of (1 + x)^2 I1(x), the same t, and
+erfcx_second_table.inc    of (1 + x)^3 I2(x), Ik = int_0^inf u^k exp(-2 x u - u^2) du;
 cauchy_tail_table.inc     powers of z of the integral of u^4 / (1 + y u^2)^3 over u in [0, 1],
                           y = 0.245 (1 + z) in [0, 0.49];
 small_erf_table.inc       powers of w of erf(z) / z - 1, w = z^2 in [0, 1];
@@ -68,6 +70,13 @@ def erfcx(x):
     return sum((-1) ** k * fac2(2 * k - 1) / (2 * x * x) ** k for k in range(30)) / (x * sqrt(pi))
 
 
+def erfcx_moments(x):
+    """I1 and I2, by parts from I0 = sqrt(pi) / 2 erfcx(x)."""
+    zeroth = sqrt(pi) / 2 * erfcx(x)
+    first = mpf(1) / 2 - x * zeroth
+    return first, (zeroth - 2 * x * first) / 2
+
+
 def arc_rest(w):
     if w < mpf("1e-8"):
         return sum((-1) ** (k + 1) * k * w ** (k - 1) / (2 * k + 1) for k in range(1, 9))
@@ -103,6 +112,10 @@ def main(folder):
             out.write("    {" + ",\n     ".join(literal(w) for _, w in rule) + "}};\n")
     scaled = lambda t: (lambda x: (1 + 2 * x) * erfcx(x))(3 * (1 + t) / (1 - t))
     write_list(f"{folder}/erfcx_table.inc", powers(chebyshev_coefficients(scaled, 25)))
+    for k, name in ((1, "first"), (2, "second")):
+        scaled = lambda t: (lambda x: (1 + x)**(k + 1) * erfcx_moments(x)[k - 1])(
+            3 * (1 + t) / (1 - t))
+        write_list(f"{folder}/erfcx_{name}_table.inc", powers(chebyshev_coefficients(scaled, 25)))
     y_max = mpf("0.49")
     tail = lambda z: quad(lambda u: u**4 / (1 + y_max * (1 + z) / 2 * u * u) ** 3, [0, 0.5, 1])
     write_list(f"{folder}/cauchy_tail_table.inc", powers(chebyshev_coefficients(tail, 17)))

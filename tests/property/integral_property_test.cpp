@@ -51,7 +51,7 @@ template <class P>
 Jet field(const Kernel& kernel, const P& primitive, const Vec3d& p) {
   return std::visit(
       [&](const auto& k) -> Jet {
-        if constexpr (kDiverges<std::decay_t<decltype(k)>, P>) {
+        if constexpr (!kHasField<std::decay_t<decltype(k)>, P>) {
           return {};
         } else {
           return integral(k, primitive, p);

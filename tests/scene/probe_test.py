@@ -75,6 +75,24 @@ def conditioning(row):
     return longest * longest / norm(cross(minus(v[1], v[0]), minus(v[2], v[0])))
 
 
+class Taper(SceneTest):
+    """The scene of tapered bones against tests/oracle/taper.py, which integrates in 30 digits."""
+
+    def test_values_and_gradients(self):
+        with open(SOURCE / "tests" / "oracle" / "taper.csv", newline="", encoding="utf-8") as file:
+            rows = [[float(x) for x in row] for row in list(csv.reader(file))[1:]]
+        self.assertEqual(len(rows), 40)
+        points = "\n".join(" ".join(repr(x) for x in row[:3]) for row in rows) + "\n"
+        done = self.succeed("probe", SOURCE / "data" / "scenes" / "taper.art", "-", stdin=points)
+        for row, line in zip(rows, done.stdout.splitlines(), strict=True):
+            value, *gradient = (float(x) for x in line.split())
+            slope = norm(row[4:])
+            with self.subTest(point=row[:3]):
+                # What is left out of a field is at most 1e-9.
+                self.assertLessEqual(abs(value - row[3]), 2e-13 * (row[3] + slope) + 1e-9)
+                self.assertLessEqual(norm(minus(gradient, row[4:])), 1e-12 * slope + 1e-8)
+
+
 class Probe(SceneTest):
     def test_rows_of_the_reference(self):
         with open(ROWS, newline="", encoding="utf-8") as file:

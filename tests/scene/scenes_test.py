@@ -75,5 +75,14 @@ class SmallScenes(SceneTest):
                 pathlib.Path(self.folder / "out.glb").unlink()
 
 
+    def test_tapered_bones_are_meshed_within_the_tolerance(self):
+        scene = SCENES / "taper.art"
+        report = self.report(scene, "out.obj", "--tolerance", "0.5%")
+        self.assertEqual(report["components"], 1)
+        error = self.report("compare", scene, "out.obj", "--samples", 20000)["error"]
+        self.assertLessEqual(error["mesh_to_surface_max"], report["tolerance"])
+        self.assertLessEqual(error["surface_to_mesh_max"], report["tolerance"])
+
+
 if __name__ == "__main__":
     main()

@@ -105,13 +105,16 @@ Primitive shape_of(std::size_t kind, const Family& family, double size, const Ve
     case 3:
       return Triangle{
           {origin, origin + size * a, origin + size * (random.uniform() * a + family.shape * b)}};
-    default:
+    case 4:
       return Plane{origin, a};
+    default:
+      return TaperedSegment{{origin, origin + size * a}, {random.uniform(), random.uniform(), 0.0}};
   }
 }
 
 /// A point of the primitive.
 Vec3d place_on(const Primitive& primitive, Random& random) {
+  if (const auto* s = std::get_if<TaperedSegment>(&primitive)) return place_on(s->axis, random);
   if (const auto* s = std::get_if<Segment>(&primitive)) {
     return s->a + random.uniform() * (s->b - s->a);
   }
@@ -151,6 +154,7 @@ double scale_of(const Primitive& primitive, const Vec3d& p) {
   double scale = std::visit([](const auto& shape) { return size(shape); }, primitive);
   if (!std::isfinite(scale)) scale = 0.0;
   const auto include = [&](const Vec3d& q) { scale = std::max(scale, norm(p - q)); };
+  if (const auto* s = std::get_if<TaperedSegment>(&primitive)) return scale_of(s->axis, p);
   if (const auto* s = std::get_if<Segment>(&primitive)) include(s->a), include(s->b);
   if (const auto* t = std::get_if<Triangle>(&primitive)) {
     for (const Vec3d& v : t->vertex) include(v);
@@ -219,7 +223,7 @@ double worst_of(KernelKind kernel_kind, std::size_t shape, const Family& family)
         worst,
         std::visit(
             [&](const auto& k, const auto& p) {
-              if constexpr (!kDiverges<std::decay_t<decltype(k)>, std::decay_t<decltype(p)>>) {
+              if constexpr (kHasField<std::decay_t<decltype(k)>, std::decay_t<decltype(p)>>) {
                 const reference::Exact exact = exact_at(k, p, sample.point);
                 return digits_lost(testing::accumulated(
                                        testing::plain_term(kernel, sample.primitive), sample.point),
@@ -233,8 +237,10 @@ double worst_of(KernelKind kernel_kind, std::size_t shape, const Family& family)
   return worst;
 }
 
-bool diverges(KernelKind kind, std::size_t shape) {
-  return shape == 4 && (kind == KernelKind::inverse || kind == KernelKind::squared);
+bool has_field(KernelKind kind, std::size_t shape) {
+  const bool inverse = kind == KernelKind::inverse || kind == KernelKind::squared;
+  if (shape == 4) return !inverse;
+  return shape != 5 || kind == KernelKind::cauchy || kind == KernelKind::gaussian;
 }
 
 struct Row {
@@ -274,8 +280,8 @@ void write_svg(const std::string& path, const std::vector<Family>& columns,
 }
 
 int run(const char* svg) {
-  constexpr std::array<std::string_view, 5> kShapes = {"point", "segment", "arc", "triangle",
-                                                       "plane"};
+  constexpr std::array<std::string_view, 6> kShapes = {"point",    "segment", "arc",
+                                                       "triangle", "plane",   "tapered"};
   const std::vector<Family> columns = families();
   std::printf("digits lost beyond the rounding of the inputs, worst of %d\n%-18s", kSamples, "");
   for (const Family& family : columns) std::printf(" %s |", family.name.c_str());
@@ -284,7 +290,7 @@ int run(const char* svg) {
   int bad = 0;
   for (const KernelKind kind : kAllKernels) {
     for (std::size_t shape = 0; shape < kShapes.size(); ++shape) {
-      if (diverges(kind, shape)) continue;
+      if (!has_field(kind, shape)) continue;
       Row row{std::string(name_of(kind)) + " " + std::string(kShapes[shape]), {}};
       std::printf("%-18s", row.name.c_str());
       for (const Family& family : columns) {

@@ -91,6 +91,55 @@ TEST(Compile, DegeneratePrimitivesBecomePoints) {
   EXPECT_NEAR(compiled->parts[0].surface->value({1, 0.25, 0}), 0, 1e-12);
 }
 
+Scene tapered_bone(const SegmentWeight& weight, double length = 2) {
+  Scene scene = one_element(ElementKind::line, Segment{{0, 0, 0}, {length, 0, 0}});
+  scene.elements[0].taper = weight;
+  return scene;
+}
+
+double full_value(const Scene& scene, const Vec3d& p) {
+  const auto field = std::dynamic_pointer_cast<const Field>(compile(scene)->parts[0].surface);
+  Jet jet;
+  field->full_jets({&p, 1}, {&jet, 1});
+  return jet.value;
+}
+
+TEST(Compile, ALinearTaperKeepsTheRadiusInTheMiddle) {
+  const auto surface = compile(tapered_bone(linear_weight(1.75, 0.25)))->parts[0].surface;
+  EXPECT_NEAR(surface->value({1, 0.25, 0}), 0, 1e-12);
+  EXPECT_GT(surface->value({0.5, 0.25, 0}), 0);
+  EXPECT_LT(surface->value({1.5, 0.25, 0}), 0);
+}
+
+TEST(Compile, TapersOfAnySizeAndSignAreTheirWeightTimesTheBone) {
+  const Vec3d p{0.7, 0.1, 0.2};
+  const double whole = full_value(tapered_bone(linear_weight(1, 1)), p);
+  EXPECT_NEAR(whole, full_value(one_element(ElementKind::line, Segment{{0, 0, 0}, {2, 0, 0}}), p),
+              1e-14 * whole);
+  const double some = full_value(tapered_bone({1, 0.5, -0.75}), p);
+  for (const double k : {-1e200, -3.0, 1e-150, 1e30}) {
+    Scene scene = tapered_bone({k, 0.5 * k, -0.75 * k});
+    EXPECT_NEAR(full_value(scene, p) / k, some, 1e-12 * std::abs(some)) << k;
+    scene.materials[0].strength = -1 / k;
+    EXPECT_NEAR(full_value(scene, p), -some, 1e-12 * std::abs(some)) << k;
+  }
+}
+
+TEST(Compile, ATaperedBoneOfNoSizeIsThePointOfTheMeanWeight) {
+  const double point = full_value(one_element(ElementKind::line, Segment{}), {0.25, 0, 0});
+  EXPECT_NEAR(full_value(tapered_bone({1, 0.5, 3}, 1e-14), {0.25, 0, 0}), 1.5 * point, 1e-12);
+}
+
+TEST(Compile, RefusesATaperThatDoesNothing) {
+  EXPECT_NE(error_of(tapered_bone({0, 0, 0})).find("no surface"), std::string::npos);
+  for (const KernelKind kind : kAllKernels) {
+    if (kind == KernelKind::cauchy || kind == KernelKind::gaussian) continue;
+    Scene scene = tapered_bone(linear_weight(1, 0.5));
+    scene.materials[0].kernel = kind;
+    EXPECT_NE(error_of(scene).find("takes no taper"), std::string::npos) << name_of(kind);
+  }
+}
+
 TEST(Compile, UnboundedPartsNeedBounds) {
   Scene scene = one_element(ElementKind::plane, Plane{{0, 0, 0}, {0, 0, 1}});
   Result<CompiledScene> open = clip_to_bounds(*compile(scene), scene);

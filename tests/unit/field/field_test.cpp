@@ -33,8 +33,10 @@ Vec3d point_in(Random& random, const Aabb& box) {
           random.uniform(box.min.z, box.max.z)};
 }
 
-const SceneKind kKinds[] = {
-    {false, false, false}, {true, false, false}, {false, true, false}, {true, true, true}};
+const SceneKind kKinds[] = {{false, false, false, true},
+                            {true, false, false},
+                            {false, true, false},
+                            {true, true, true, true}};
 
 TEST(Field, EnclosuresContainWhatIsSampled) {
   for (std::uint64_t seed = 0; seed < 24; ++seed) {

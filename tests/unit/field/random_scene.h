@@ -32,6 +32,7 @@ struct SceneKind {
   bool profiles = false;
   bool transforms = false;
   bool carving = false;
+  bool tapers = false;
 };
 
 /// Elements of the Cauchy kernel on every bounded primitive, the Gaussian on points and segments.
@@ -57,6 +58,11 @@ inline Scene random_scene(std::uint64_t seed, int elements, SceneKind kind = {})
     element.skeleton = random_primitive(random, i);
     const bool thin = element.skeleton.index() <= 1;
     if (thin && i % 3 == 0) material.kernel = KernelKind::gaussian;
+    if (kind.tapers && std::holds_alternative<Segment>(element.skeleton)) {
+      Random weights(seed, static_cast<std::uint64_t>(i));
+      const auto weight = [&] { return weights.uniform(-0.4, 1.5); };
+      element.taper = quadratic_weight(weight(), weight(), weight());
+    }
     element.kind = std::holds_alternative<Triangle>(element.skeleton) ? ElementKind::triangle
                                                                       : ElementKind::sphere;
     element.material = i;

@@ -22,6 +22,9 @@ Vec3d sample(const Point& point, double, double) {
 Vec3d sample(const Segment& segment, double s, double) {
   return segment.a + s * (segment.b - segment.a);
 }
+Vec3d sample(const TaperedSegment& segment, double s, double t) {
+  return sample(segment.axis, s, t);
+}
 Vec3d sample(const Arc& arc, double s, double) {
   const double t = (s - 0.5) * arc.sweep;
   return arc.center + arc.radius * (std::cos(t) * arc.ex + std::sin(t) * arc.ey);
