@@ -17,6 +17,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kCoarseError = 0.01;
 /// And where F changes slowly, as a part of its change over a box.
 constexpr double kErrorShare = 0.02;
+/// The part of both where bounds of second order are asked for.
+constexpr double kSecondOrder = 0.1;
 /// Boxes near so many elements are large beside the features of the sum: each element and cluster
 /// is known by its range alone.
 constexpr std::size_t kManyNear = 1024;
@@ -47,11 +49,13 @@ Interval FarField::cluster_range(std::uint32_t index, const Aabb& box) const {
 
 /// What the series of the boxes may leave open.
 double FarField::open_error(const Cell* around, const BoxBatch& batch) const {
-  if (around == nullptr || !around->leaf) return kCoarseError;
+  const double part = batch.order == TaylorOrder::first ? 1.0 : kSecondOrder;
+  if (around == nullptr || !around->leaf) return part * kCoarseError;
   const Vec3d middle = batch.hull.center();
   Jet jet;
   add_cell<Jet>(around, {&middle, 1}, {&jet, 1});
-  return std::clamp(kErrorShare * norm(jet.gradient) * batch.radius, error_budget_, kCoarseError);
+  return part *
+         std::clamp(kErrorShare * norm(jet.gradient) * batch.radius, error_budget_, kCoarseError);
 }
 
 /// A cell of its own for the boxes, with all that is far from them in its series.

@@ -410,11 +410,11 @@ void Field::enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
   require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
   std::vector<std::uint32_t> list;
   near_terms(batch.hull, list);
-  // What far terms leave open together is small against T. Boxes near very many terms are large
-  // beside the features of their sum: ranges will do.
-  const double negligible = list.size() > kManyTerms
-                                ? kInfinity
-                                : 0.01 * kThreshold / static_cast<double>(data_->terms.size());
+  // What far terms leave open together is small against T, the less where more is asked for. Boxes
+  // near very many terms are large beside the features of their sum: ranges will do.
+  const double together = (order == TaylorOrder::first ? 1e-2 : 1e-4) * kThreshold;
+  const double negligible =
+      list.size() > kManyTerms ? kInfinity : together / static_cast<double>(data_->terms.size());
   std::vector<SumBound> sums(boxes.size());
   for (const std::uint32_t i : list) add_bounds(data_->terms[i], batch, negligible, sums);
   std::size_t terms = list.size();

@@ -148,6 +148,7 @@ TEST(FarField, BoundsContainWhatIsSampled) {
           ASSERT_TRUE(widened(gradient[axis], slack).contains(jets[k].gradient[axis]));
         }
         const double between = norm(points[k] - points[0]);
+        if (between == 0) continue;  // and the bound may be infinite
         ASSERT_LE(norm(jets[k].gradient - jets[0].gradient), turn * between * (1 + 1e-9) + 1e-6);
       }
     }
