@@ -8,6 +8,16 @@
 #include "libfield/integral/bulk.h"
 
 namespace cs2mesh {
+namespace {
+
+/// 1 / (m + 1).
+constexpr std::array<double, kTaylorOrder + 1> kReciprocal = [] {
+  std::array<double, kTaylorOrder + 1> all{};
+  for (std::size_t m = 0; m < all.size(); ++m) all[m] = 1.0 / static_cast<double>(m + 1);
+  return all;
+}();
+
+}  // namespace
 
 double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
                               const std::vector<std::uint32_t>& elements, double budget) {
@@ -66,12 +76,17 @@ void FarField::Sorter::finish(double budget) {
 
 /// The lowest order whose remainder, relative to S^-nu, is at most `most`; else the highest.
 FarField::Sorter::Truncation FarField::Sorter::lowest_order(double two_nu, double q, double most) {
-  Truncation truncation;
-  for (std::size_t i = 0; i < kOrders.size(); ++i) {
-    truncation = {i, series_remainder(two_nu, q, kOrders[i])};
-    if (truncation.error <= most) break;
+  // The next term of the remainder falls with the order: where it is too much, so is the rest.
+  double term = 1.0;
+  int m = 0;
+  for (std::size_t i = 0;; ++i) {
+    for (; m <= kOrders[i]; ++m)
+      term *= q * (m + two_nu) * kReciprocal[static_cast<std::size_t>(m)];
+    const bool last = i + 1 == kOrders.size();
+    if (!last && term > most) continue;
+    const double error = series_remainder(two_nu, q, kOrders[i]);
+    if (last || error <= most) return {i, error};
   }
-  return truncation;
 }
 
 void FarField::Sorter::sort_node(std::uint32_t index, double each) {

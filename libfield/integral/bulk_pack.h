@@ -105,7 +105,7 @@ struct BulkPack {
   [[gnu::flatten]] static void add_sources(double two_nu, int order, const SeriesSource* sources,
                                            std::size_t count, double* series) {
     using P = Pack<N>;
-    P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
+    P sums[kSeriesSize], c[kSeriesSize + 1], moments[kSeriesSize], clusters[kSeriesSize];
     if (count == 0) return;
     const bool spread = sources[0].moments != nullptr;
     for (std::size_t first = 0; first < count; first += N) {
@@ -123,12 +123,10 @@ struct BulkPack {
         series_of_clusters(order, c, moments, clusters);
       }
       const P* add = spread ? clusters : c;
-      visit_powers(
-          [&](int i, int j, int k) {
-            const std::size_t place = series_index(i, j, k);
-            sums[place] += add[place];
-          },
-          order);
+      sums[0] += add[0];
+      for (std::size_t i = 0; i < kSeriesSteps.end[static_cast<std::size_t>(order)]; ++i) {
+        sums[kSeriesSteps.step[i].self] += add[kSeriesSteps.step[i].self];
+      }
     }
     for (std::size_t k = 0; k < kSeriesSize; ++k) {
       for (int lane = 0; lane < N; ++lane) series[k] += sums[k].lane[lane];

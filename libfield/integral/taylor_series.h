@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
 #include <limits>
 
 #include "libfield/base/jet2.h"
@@ -92,35 +93,62 @@ JetOf<T> series_jet(const double* series, const Vec3<T>& x) {
   return sum;
 }
 
+namespace detail {
+
+/// The recurrence for one coefficient: its place and those of c_(k - e_i) and c_(k - 2 e_i), which
+/// is kSeriesSize where there is none.
+struct SeriesStep {
+  std::uint16_t self, one[3], two[3];
+};
+
+/// All but the first, by degree: coefficients of one degree do not wait for each other.
+struct SeriesSteps {
+  std::array<SeriesStep, kSeriesSize - 1> step{};
+  std::array<std::size_t, kTaylorOrder + 1> end{};  ///< of the steps of that degree
+
+  constexpr SeriesSteps() {
+    std::size_t count = 0;
+    for (int n = 1; n <= kTaylorOrder; ++n) {
+      for (int a = n; a >= 0; --a) {
+        for (int b = n - a; b >= 0; --b) step[count++] = step_for(a, b, n - a - b);
+      }
+      end[static_cast<std::size_t>(n)] = count;
+    }
+  }
+
+ private:
+  static constexpr std::uint16_t place(int a, int b, int c) {
+    const bool none = a < 0 || b < 0 || c < 0;
+    return static_cast<std::uint16_t>(none ? kSeriesSize : series_index(a, b, c));
+  }
+  static constexpr SeriesStep step_for(int a, int b, int c) {
+    return {place(a, b, c),
+            {place(a - 1, b, c), place(a, b - 1, c), place(a, b, c - 1)},
+            {place(a - 2, b, c), place(a, b - 2, c), place(a, b, c - 2)}};
+  }
+};
+inline constexpr SeriesSteps kSeriesSteps{};
+
+}  // namespace detail
+
 /// The coefficients c_k, up to that order, of (|d + x|^2 + tau)^-nu for S = |d|^2 + tau; `power` is
-/// S^-nu.
+/// S^-nu. `c` has room for kSeriesSize + 1.
 template <class T>
 void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const T& power, T* c) {
   const T inverse = T(1) / s;
-  // The factors of the recurrence by degree.
-  std::array<T, kTaylorOrder + 1> first, second;
+  c[0] = power;
+  c[kSeriesSize] = T(0);
+  std::size_t i = 0;
   for (int n = 1; n <= order; ++n) {
-    const auto i = static_cast<std::size_t>(n);
-    first[i] = inverse * T(-(2 * n - 2 + two_nu) / n);
-    second[i] = inverse * T(-(n - 2 + two_nu) / n);
+    const T first = inverse * T(-(2 * n - 2 + two_nu) / n);
+    const T second = inverse * T(-(n - 2 + two_nu) / n);
+    for (; i < detail::kSeriesSteps.end[static_cast<std::size_t>(n)]; ++i) {
+      const detail::SeriesStep& k = detail::kSeriesSteps.step[i];
+      const T near = d.x * c[k.one[0]] + d.y * c[k.one[1]] + d.z * c[k.one[2]];
+      const T next = c[k.two[0]] + c[k.two[1]] + c[k.two[2]];
+      c[k.self] = first * near + second * next;
+    }
   }
-  visit_powers(
-      [&](int i, int j, int k) {
-        if (i + j + k == 0) {
-          c[0] = power;
-          return;
-        }
-        T near(0), next(0);
-        if (i > 0) near = d.x * c[series_index(i - 1, j, k)];
-        if (j > 0) near = near + d.y * c[series_index(i, j - 1, k)];
-        if (k > 0) near = near + d.z * c[series_index(i, j, k - 1)];
-        if (i > 1) next = c[series_index(i - 2, j, k)];
-        if (j > 1) next = next + c[series_index(i, j - 2, k)];
-        if (k > 1) next = next + c[series_index(i, j, k - 2)];
-        const auto n = static_cast<std::size_t>(i + j + k);
-        c[series_index(i, j, k)] = first[n] * near + second[n] * next;
-      },
-      order);
 }
 
 /// x^-nu.
