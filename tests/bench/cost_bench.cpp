@@ -165,8 +165,11 @@ void print_second_derivatives() {
   for (const std::string_view shape : kShapes) std::printf("  %9s", std::string(shape).c_str());
   for (const KernelKind kind : kAllKernels) {
     std::printf("\n%-22s", std::string(name_of(kind)).c_str());
-    const bool diverges = kind == KernelKind::inverse || kind == KernelKind::squared;
-    for (std::size_t shape = 0; shape < (diverges ? 4 : kShapes.size()); ++shape) {
+    for (std::size_t shape = 0; shape < kShapes.size(); ++shape) {
+      if (!has_field(kind, shape)) {
+        std::printf("  %9s", "-");
+        continue;
+      }
       Term term;
       term.kernel = make_kernel(kind, kind == KernelKind::cauchy ? 3.0 : 1.5, 1.0, 0.0, 1e-6);
       term.primitive = near_origin(shape);
