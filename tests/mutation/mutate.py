@@ -20,11 +20,15 @@ import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FORMS = ["arc_place", "arc_powers", "arc_window", "carlson", "cauchy_arc", "cauchy_segment",
-         "cauchy_triangle", "gaussian_arc", "gaussian_segment", "inverse_arc", "inverse_segment",
-         "metaball_arc", "plane", "point", "support_arc", "support_segment"]
+         "cauchy_triangle", "gaussian_arc", "gaussian_segment", "gaussian_triangle", "inverse_arc",
+         "inverse_segment", "inverse_triangle", "metaball_arc", "metaball_triangle", "plane", "point",
+         "squared_triangle", "support_arc", "support_segment", "support_triangle",
+         "tapered_segment", "triangle_place", "triangle_trial"]
 STAGES = [("tests/oracle/field_reference_test.cpp", "-O0", "FieldReference.EveryRowIsExactFor*"),
           ("tests/unit/integral/closed_form_test.cpp", "-O1", "ClosedForm.*Exact*"),
-          ("tests/unit/integral/arc_test.cpp", "-O1", "ArcFields.*Exact*")]
+          ("tests/unit/integral/arc_test.cpp", "-O1", "ArcFields.*Exact*"),
+          ("tests/unit/integral/triangle_form_test.cpp", "-O1", "TriangleForm.*Exact*"),
+          ("tests/unit/integral/tapered_segment_test.cpp", "-O1", "TaperedSegment.*Exact*")]
 
 # What does not enter a value: declarations, loops, tables, conditions of types.
 SKIPPED = re.compile(r"^\s*(//|#|template|using|namespace|friend|static_assert|requires|for |"
