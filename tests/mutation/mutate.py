@@ -21,8 +21,8 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 FORMS = ["arc_place", "arc_powers", "arc_window", "carlson", "cauchy_arc", "cauchy_segment",
          "cauchy_triangle", "gaussian_arc", "gaussian_segment", "gaussian_triangle", "inverse_arc",
-         "inverse_segment", "inverse_triangle", "metaball_arc", "metaball_triangle", "plane", "point",
-         "squared_triangle", "support_arc", "support_segment", "support_triangle",
+         "inverse_segment", "inverse_triangle", "metaball_arc", "metaball_triangle", "plane",
+         "point", "squared_triangle", "support_arc", "support_segment", "support_triangle",
          "tapered_segment", "triangle_place", "triangle_trial"]
 STAGES = [("tests/oracle/field_reference_test.cpp", "-O0", "FieldReference.EveryRowIsExactFor*"),
           ("tests/unit/integral/closed_form_test.cpp", "-O1", "ClosedForm.*Exact*"),
