@@ -75,14 +75,14 @@ Out part_of(const Jet& jet) {
   }
 }
 
-/// Up to 64 points near or over a Cauchy triangle: those that the closed form leaves over go one by
-/// one.
-template <class Out>
-void add_triangle_run(const Term& term, const Cauchy& kernel, const Triangle& triangle, double sign,
+/// Up to 64 points near or over a triangle: those that the closed form leaves over go one by one.
+template <class K, class Out>
+void add_triangle_run(const Term& term, const K& kernel, const Triangle& triangle, double sign,
                       std::span<const Vec3d> points, std::span<Out> sums) {
   std::array<double, 64 + kMostLanes> left{};
-  bulk_table().try_triangle<Out>()(kernel, std::get<TriangleFrame<double>>(term.frame), sign,
-                                   points.data(), sums.data(), left.data(), points.size());
+  const auto try_all = std::get<TryTriangle<K, Out>>(bulk_table().triangle_row<Out>());
+  try_all(kernel, std::get<TriangleFrame<double>>(term.frame), sign, points.data(), sums.data(),
+          left.data(), points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (left[i] == 0.0) continue;
     sums[i] += sign * part_of<Out>(integral_of(term, kernel, triangle, points[i]));
@@ -109,7 +109,7 @@ void add_integrals(const Term& term, const K& kernel, const P& primitive, double
     }
   }
   std::size_t first = 0;
-  if constexpr (std::is_same_v<K, Cauchy> && std::is_same_v<P, Triangle>) {
+  if constexpr (std::is_same_v<P, Triangle> && kTriesTriangle<K>) {
     constexpr std::size_t kRun = 64;
     for (; points.size() - first >= kBulkCount; first += std::min(kRun, points.size() - first)) {
       add_triangle_run(term, kernel, primitive, sign,

@@ -28,9 +28,13 @@ using AddIntegrals = void (*)(const K& kernel, const F& frame, double sign, cons
 
 /// Adds sign * integral(kernel, frame, points[i]) where the closed form keeps its digits; counts
 /// where it does not in left[i], which is as long as the points, and kMostLanes longer.
-template <class Out>
-using TryTriangle = void (*)(const Cauchy& kernel, const TriangleFrame<double>& frame, double sign,
+template <class K, class Out>
+using TryTriangle = void (*)(const K& kernel, const TriangleFrame<double>& frame, double sign,
                              const Vec3d* points, Out* sums, double* left, std::size_t count);
+template <class Out>
+using TriangleRow =
+    std::tuple<TryTriangle<Cauchy, Out>, TryTriangle<Inverse, Out>, TryTriangle<Metaball, Out>,
+               TryTriangle<Soft, Out>, TryTriangle<Quartic, Out>>;
 inline constexpr std::size_t kMostLanes = 16;
 
 template <class Out>
@@ -65,8 +69,8 @@ struct BulkTable {
   BulkWeights<double> weights;
   PointRow<Jet> point_jets;
   PointRow<double> point_values;
-  TryTriangle<Jet> triangle_jets;
-  TryTriangle<double> triangle_values;
+  TriangleRow<Jet> triangle_jets;
+  TriangleRow<double> triangle_values;
   AddSources add_sources;
   AddSeries<Jet> series_jets;
   AddSeries<double> series_values;
@@ -88,7 +92,7 @@ struct BulkTable {
     }
   }
   template <class Out>
-  TryTriangle<Out> try_triangle() const {
+  const TriangleRow<Out>& triangle_row() const {
     if constexpr (std::is_same_v<Out, double>) {
       return triangle_values;
     } else {
@@ -130,6 +134,8 @@ inline constexpr bool kHolds<Entry, std::tuple<Entries...>> = (std::is_same_v<En
 /// Whether the table has that pair.
 template <class F>
 inline constexpr bool kHasBulkWeights = detail::kHolds<FindWeights<F, Jet>, BulkWeights<Jet>>;
+template <class K>
+inline constexpr bool kTriesTriangle = detail::kHolds<TryTriangle<K, Jet>, TriangleRow<Jet>>;
 template <class K, class F>
 inline constexpr bool kHasBulk = detail::kHolds<AddIntegrals<K, F, Jet>, BulkRow<Jet>>;
 

@@ -9,10 +9,13 @@
 #include "libfield/integral/gaussian_segment.h"
 #include "libfield/integral/inverse_arc.h"
 #include "libfield/integral/inverse_segment.h"
+#include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_arc.h"
+#include "libfield/integral/metaball_triangle.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
+#include "libfield/integral/support_triangle.h"
 #include "libfield/integral/tapered_segment.h"
 #include "libfield/profile/along.h"
 #include "libfield/simd/twice.h"
@@ -84,20 +87,18 @@ struct BulkPack {
              [&](const Vec3<T>& p) { return point_sum<K, T>(sources, index, source_count, p); });
   }
 
-  template <class Out>
-  [[gnu::flatten]] static void try_triangle(const Cauchy& kernel,
-                                            const TriangleFrame<double>& frame, double sign,
-                                            const Vec3d* points, Out* sums, double* left,
-                                            std::size_t count) {
+  template <class K, class Out>
+  [[gnu::flatten]] static void try_triangle(const K& kernel, const TriangleFrame<double>& frame,
+                                            double sign, const Vec3d* points, Out* sums,
+                                            double* left, std::size_t count) {
     const TriangleFrame<T> lanes(frame);
-    const T s(kernel.s), factor(kernel.amplitude);
     add_each(points, sums, count, [&](const Vec3<T>& p) {
-      const CauchyTrial<T> trial = cauchy_triangle_closed(s, lanes, p);
+      const TriangleTrial<T> trial = triangle_trial(kernel, lanes, p);
       const T missed = select(trial.good, T(0), T(1));
       cs2mesh::add_to<N>(missed.first, left);
       cs2mesh::add_to<N>(missed.second, left + N);
       left += kLanes;
-      return T(sign) * select(trial.good, factor * trial.jet, JetOf<T>{});
+      return T(sign) * select(trial.good, trial.jet, JetOf<T>{});
     });
   }
 
@@ -207,9 +208,14 @@ struct BulkPack {
             &add_points<Squared, Out>, &add_points<Metaball, Out>, &add_points<Soft, Out>,
             &add_points<Quartic, Out>};
   }
+  template <class Out>
+  static consteval TriangleRow<Out> triangles() {
+    return {&try_triangle<Cauchy, Out>, &try_triangle<Inverse, Out>, &try_triangle<Metaball, Out>,
+            &try_triangle<Soft, Out>, &try_triangle<Quartic, Out>};
+  }
   static consteval BulkTable table() {
     return {row<Jet>(),    row<double>(),    weights<Jet>(),     weights<double>(),
-            points<Jet>(), points<double>(), &try_triangle<Jet>, &try_triangle<double>,
+            points<Jet>(), points<double>(), triangles<Jet>(),   triangles<double>(),
             &add_sources,  &add_series<Jet>, &add_series<double>};
   }
 };

@@ -24,6 +24,7 @@
 #include "libfield/base/jet.h"
 #include "libfield/integral/cauchy_segment.h"
 #include "libfield/integral/frames.h"
+#include "libfield/integral/triangle_trial.h"
 #include "libfield/kernel/cauchy.h"
 
 namespace cs2mesh {
@@ -251,6 +252,14 @@ JetOf<T> unit_cauchy_triangle(const T& s, const TriangleFrame<T>& triangle, cons
 }
 
 }  // namespace detail
+
+/// The closed form, and where it keeps its digits.
+template <class T>
+TriangleTrial<T> triangle_trial(const Cauchy& kernel, const TriangleFrame<T>& triangle,
+                                const Vec3<T>& point) {
+  const auto trial = detail::cauchy_triangle_closed(T(kernel.s), triangle, point);
+  return {T(kernel.amplitude) * trial.jet, trial.good};
+}
 
 /// Value and gradient; see the head of this file.
 template <class T>

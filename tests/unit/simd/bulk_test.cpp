@@ -41,7 +41,7 @@ Batch random_batch(std::uint64_t stream, std::size_t count) {
   Random random(11, stream);
   const double length = log_uniform(random, 0.01, 30.0);
   const KernelKind kind = kAllKernels[stream % 7];
-  constexpr std::size_t kShapes = 3;  // those in the table
+  constexpr std::size_t kShapes = 4;
   const Primitive primitive = testing::random_primitive(random, stream / 7 % kShapes, 1.0);
   Batch batch{plain_term(testing::random_kernel(random, kind, length), primitive), {}};
   for (std::size_t i = 0; i < count; ++i) {
