@@ -1,6 +1,9 @@
 #include "libfield/field/source_tree.h"
 
+#include <tbb/parallel_invoke.h>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -11,6 +14,8 @@ namespace cs2mesh {
 namespace {
 
 constexpr std::uint32_t kLeafSize = 64;
+/// The halves of larger nodes are measured side by side.
+constexpr std::uint32_t kParallelSize = 2048;
 
 /// The weight and tau of a unit of length, or of a point.
 struct FarLaw {
@@ -29,20 +34,24 @@ std::optional<FarLaw> law_of(const Kernel& kernel) {
   return std::nullopt;
 }
 
+/// (-x)^n / n!.
+std::array<double, kTaylorOrder + 1> divided_powers(double x) {
+  std::array<double, kTaylorOrder + 1> power{1.0};
+  for (std::size_t n = 1; n < power.size(); ++n) {
+    power[n] = power[n - 1] * (-x / static_cast<double>(n));
+  }
+  return power;
+}
+
 /// (-q)^k / k! times `weight`, added to the moments.
 void add_place(const Vec3d& q, double weight, Series& moments) {
-  double x = weight;
-  for (int a = 0; a <= kTaylorOrder; ++a) {
-    double xy = x;
-    for (int b = 0; a + b <= kTaylorOrder; ++b) {
-      double xyz = xy;
-      for (int c = 0; a + b + c <= kTaylorOrder; ++c) {
-        moments[series_index(a, b, c)] += xyz;
-        xyz *= -q.z / (c + 1);
-      }
-      xy *= -q.y / (b + 1);
+  const auto x = divided_powers(q.x), y = divided_powers(q.y), z = divided_powers(q.z);
+  for (std::size_t a = 0; a < x.size(); ++a) {
+    for (std::size_t b = 0; a + b < x.size(); ++b) {
+      const double xy = weight * x[a] * y[b];
+      double* row = moments.data() + series_index(static_cast<int>(a), static_cast<int>(b), 0);
+      for (std::size_t c = 0; a + b + c < x.size(); ++c) row[c] += xy * z[c];
     }
-    x *= -q.x / (a + 1);
   }
 }
 
@@ -93,8 +102,7 @@ SourceTree::SourceTree(std::vector<FarElement> elements) : elements_(std::move(e
     sets += node.tau_spread > 0 ? kTauOrders : 1;
   }
   moments_.resize(sets);
-  // Children come after their parents.
-  for (auto i = static_cast<std::uint32_t>(nodes_.size()); i-- > 0;) measure(i);
+  measure(0);
 }
 
 std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
@@ -142,6 +150,12 @@ void SourceTree::measure(std::uint32_t index) {
   if (node.right == 0) {
     measure_leaf(node, moments);
   } else {
+    if (node.count > kParallelSize) {
+      tbb::parallel_invoke([&] { measure(index + 1); }, [&] { measure(node.right); });
+    } else {
+      measure(index + 1);
+      measure(node.right);
+    }
     take_over(node, index + 1, moments);
     take_over(node, node.right, moments);
   }
