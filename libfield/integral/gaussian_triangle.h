@@ -164,13 +164,4 @@ inline TriangleTrial<double> triangle_trial(const Gaussian& kernel,
   return nodes(std::integral_constant<std::size_t, 8>{});
 }
 
-/// Value and gradient; see the head of this file.
-inline Jet integral(const Gaussian& kernel, const TriangleFrame<double>& triangle,
-                    const Vec3d& point) {
-  return detail::tried_triangle(kernel, triangle, point);
-}
-inline Jet integral(const Gaussian& kernel, const Triangle& triangle, const Vec3d& point) {
-  return integral(kernel, TriangleFrame<double>(triangle), point);
-}
-
 }  // namespace cs2mesh

@@ -177,13 +177,4 @@ TriangleTrial<T> triangle_trial(const Inverse& kernel, const TriangleFrame<T>& t
   return trial;
 }
 
-/// Value and gradient; see the head of this file.
-inline Jet integral(const Inverse& kernel, const TriangleFrame<double>& triangle,
-                    const Vec3d& point) {
-  return detail::tried_triangle(kernel, triangle, point);
-}
-inline Jet integral(const Inverse& kernel, const Triangle& triangle, const Vec3d& point) {
-  return integral(kernel, TriangleFrame<double>(triangle), point);
-}
-
 }  // namespace cs2mesh

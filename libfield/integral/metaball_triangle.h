@@ -185,13 +185,4 @@ TriangleTrial<T> triangle_trial(const Metaball& kernel, const TriangleFrame<T>& 
   return {select(reached, T(kernel.amplitude) * sum.jet, JetOf<T>{}), good};
 }
 
-/// Value and gradient; see the head of this file.
-inline Jet integral(const Metaball& kernel, const TriangleFrame<double>& triangle,
-                    const Vec3d& point) {
-  return detail::tried_triangle(kernel, triangle, point);
-}
-inline Jet integral(const Metaball& kernel, const Triangle& triangle, const Vec3d& point) {
-  return integral(kernel, TriangleFrame<double>(triangle), point);
-}
-
 }  // namespace cs2mesh

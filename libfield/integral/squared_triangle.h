@@ -144,13 +144,4 @@ inline TriangleTrial<double> triangle_trial(const Squared& kernel,
   return trial;
 }
 
-/// Value and gradient; see the head of this file.
-inline Jet integral(const Squared& kernel, const TriangleFrame<double>& triangle,
-                    const Vec3d& point) {
-  return detail::tried_triangle(kernel, triangle, point);
-}
-inline Jet integral(const Squared& kernel, const Triangle& triangle, const Vec3d& point) {
-  return integral(kernel, TriangleFrame<double>(triangle), point);
-}
-
 }  // namespace cs2mesh

@@ -259,17 +259,4 @@ requires detail::kIsPolynomial<K> TriangleTrial<T> triangle_trial(const K& kerne
   return {select(reached, jet, JetOf<T>{}), good};
 }
 
-/// Value and gradient; see the head of this file.
-template <class K>
-requires detail::kIsPolynomial<K> Jet integral(const K& kernel,
-                                               const TriangleFrame<double>& triangle,
-                                               const Vec3d& point) {
-  return detail::tried_triangle(kernel, triangle, point);
-}
-template <class K>
-requires detail::kIsPolynomial<K> Jet integral(const K& kernel, const Triangle& triangle,
-                                               const Vec3d& point) {
-  return integral(kernel, TriangleFrame<double>(triangle), point);
-}
-
 }  // namespace cs2mesh

@@ -43,12 +43,20 @@ MaskOf<T> sums_hold(const JetOf<T>& jet, const EdgeSizes<T>& size, const T& curv
               T(kGrowth) * (slope + bend * l) > size.gradient);
 }
 
-/// The trial, or quadrature where it fails.
+}  // namespace detail
+
+/// Value and gradient over a triangle: the kernel's triangle_trial(), or quadrature where that
+/// fails. (The Cauchy kernel has a rule of its own to fall back on.)
 template <class K>
-Jet tried_triangle(const K& kernel, const TriangleFrame<double>& triangle, const Vec3d& point) {
+requires(!std::is_same_v<K, Cauchy>) Jet
+    integral(const K& kernel, const TriangleFrame<double>& triangle, const Vec3d& point) {
   const TriangleTrial<double> trial = triangle_trial(kernel, triangle, point);
   return trial.good ? trial.jet : quadrature(kernel, Triangle{triangle.vertex}, point);
 }
+template <class K>
+requires(!std::is_same_v<K, Cauchy>) Jet
+    integral(const K& kernel, const Triangle& triangle, const Vec3d& point) {
+  return integral(kernel, TriangleFrame<double>(triangle), point);
+}
 
-}  // namespace detail
 }  // namespace cs2mesh

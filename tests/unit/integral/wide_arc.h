@@ -16,37 +16,11 @@
 #include "libfield/kernel/kernel.h"
 #include "libfield/primitive/arc.h"
 #include "tests/unit/integral/wide.h"
+#include "tests/unit/integral/wide_rule.h"
 
 namespace cs2mesh::wide {
 
 using Quad = boost::multiprecision::cpp_bin_float_quad;
-
-struct Node {
-  Quad x, weight;  ///< on [0, 1]
-};
-
-/// The Gauss-Legendre rule of forty nodes, by Newton's method on the polynomial.
-inline const std::vector<Node>& forty_nodes() {
-  static const std::vector<Node> rule = [] {
-    constexpr int kCount = 40;
-    std::vector<Node> nodes;
-    for (int k = 0; k < kCount; ++k) {
-      Quad x = std::cos(3.141592653589793 * (k + 0.75) / (kCount + 0.5)), slope = 0;
-      for (int step = 0; step < 6; ++step) {
-        Quad before = 1, value = x;
-        for (int n = 2; n <= kCount; ++n) {
-          const Quad next = ((2 * n - 1) * x * value - (n - 1) * before) / n;
-          before = value, value = next;
-        }
-        slope = kCount * (x * value - before) / (x * x - 1);
-        x -= value / slope;
-      }
-      nodes.push_back({(1 + x) / 2, 1 / ((1 - x * x) * slope * slope)});
-    }
-    return nodes;
-  }();
-  return rule;
-}
 
 template <class K>
 class ArcQuadrature {
@@ -120,12 +94,13 @@ class ArcQuadrature {
       halve(middle, b, depth - 1);
       return;
     }
-    for (const Node& node : forty_nodes()) {
-      const Quad half = (a + node.x * (b - a)) / 2;
+    const auto& rule = wide_rule<Quad, 40>();
+    for (std::size_t i = 0; i < rule.node.size(); ++i) {
+      const Quad half = (a + rule.node[i] * (b - a)) / 2;
       const Quad s = sin(half), u = m_ + gap_ * s * s;
       const Quad root = sqrt((1 - s) * (1 + s));
       const Quad c = 2 * half > -boost::math::constants::pi<Quad>() ? root : Quad(-root);
-      const Quad weight = node.weight * (b - a), k = weight * kernel_.slope(u);
+      const Quad weight = rule.weight[i] * (b - a), k = weight * kernel_.slope(u);
       value += weight * kernel_.profile(u);
       n0 += k;
       n1 += 2 * k * s * s;

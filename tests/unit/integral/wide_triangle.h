@@ -20,34 +20,12 @@
 #include "libfield/integral/frames.h"
 #include "libfield/kernel/kernel.h"
 #include "tests/oracle/reference.h"
+#include "tests/unit/integral/wide.h"
+#include "tests/unit/integral/wide_rule.h"
 
 namespace cs2mesh::wide {
 
 using Fifty = boost::multiprecision::cpp_bin_float_50;
-
-struct WideRule {
-  static constexpr int kOrder = 20;
-  std::array<Fifty, kOrder> node, weight;  ///< on [0, 1]
-
-  WideRule() {
-    for (int i = 0; i < kOrder; ++i) {
-      Fifty x = -std::cos(3.14159265358979 * (i + 0.75) / (kOrder + 0.5));
-      Fifty slope;
-      for (int step = 0; step < 8; ++step) {
-        Fifty before = 1, here = x;
-        for (int n = 2; n <= kOrder; ++n) {
-          const Fifty next = ((2 * n - 1) * x * here - (n - 1) * before) / n;
-          before = here, here = next;
-        }
-        slope = kOrder * (x * here - before) / (x * x - 1);
-        x -= here / slope;
-      }
-      const auto k = static_cast<std::size_t>(i);
-      node[k] = (1 + x) / 2;
-      weight[k] = 1 / ((1 - x * x) * slope * slope);
-    }
-  }
-};
 
 /// h and H = int h du as functions of u (H of finite supports vanishes at their edge).
 struct WideLaw {
@@ -169,8 +147,8 @@ class EdgeSum {
       add_panel(middle, b, nearest, depth + 1);
       return;
     }
-    static const WideRule rule;
-    for (std::size_t i = 0; i < WideRule::kOrder; ++i) {
+    const auto& rule = wide_rule<Fifty, 20>();
+    for (std::size_t i = 0; i < rule.node.size(); ++i) {
       const Fifty t = a + (b - a) * rule.node[i];
       const Fifty q = e_ * e_ + t * t;
       const WideLaw law = wide_law(kernel_, Fifty(z2_ + q));
@@ -241,25 +219,8 @@ JetOf<Fifty> triangle_field(const K& kernel, const Triangle& triangle, const Vec
 template <class K>
 reference::Exact exact_triangle(const K& kernel, const Triangle& triangle, const Vec3d& point,
                                 double scale, double condition) {
-  const Vec3<Fifty> p(point);
-  const JetOf<Fifty> jet = triangle_field(kernel, triangle, p);
-  const Fifty step = Fifty(scale) * Fifty("1e-18");
-  Fifty hessian = 0;
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    Vec3<Fifty> moved = p;
-    moved[axis] += step;
-    hessian += squared_norm(
-        Vec3<Fifty>((triangle_field(kernel, triangle, moved).gradient - jet.gradient) / step));
-  }
-  reference::Exact exact;
-  exact.value = static_cast<long double>(jet.value);
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    exact.gradient[axis] = static_cast<long double>(jet.gradient[axis]);
-  }
-  exact.hessian_norm = static_cast<double>(sqrt(hessian));
-  exact.scale = scale;
-  exact.condition = condition;
-  return exact;
+  return exact_of<Fifty>([&](const Vec3<Fifty>& p) { return triangle_field(kernel, triangle, p); },
+                         point, scale, condition, Fifty("1e-18"));
 }
 
 }  // namespace cs2mesh::wide
