@@ -30,12 +30,14 @@ TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console
   return mesh;
 }
 
-TriangleMesh mesh_within_tolerance(const Part& part, double tolerance, PartLog& log,
-                                   Console& console) {
-  ToleranceOptions options;
-  options.progress = &console.progress();
-  ToleranceMesh result = console.take(
-      mesh_to_tolerance(*part.surface, length_scale(part), part.creased, tolerance, options));
+TriangleMesh mesh_within_tolerance(const Part& part, const Mesher& mesher, double tolerance,
+                                   PartLog& log, Console& console) {
+  MesherRequest request;
+  request.tolerance = tolerance;
+  request.thinnest_radius = length_scale(part);
+  request.creased = part.creased;
+  request.progress = &console.progress();
+  MesherResult result = console.take(mesher.mesh(*part.surface, request));
   if (!result.reached) {
     console.fail(Failure::tolerance,
                  "part '" + part.name + "' is off by " + std::to_string(result.error) +
@@ -45,8 +47,8 @@ TriangleMesh mesh_within_tolerance(const Part& part, double tolerance, PartLog& 
   }
   log.cell = result.cell;
   log.error = result.error;
-  log.values = result.statistics.value_evaluations;
-  log.gradients = result.statistics.gradient_evaluations;
+  log.values = result.values;
+  log.gradients = result.gradients;
   return std::move(result.mesh);
 }
 
@@ -56,6 +58,7 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
                      const CompiledScene& compiled) {
   const double diagonal = compiled.extent.diagonal();
   Fineness fineness;
+  fineness.mesher = find_mesher(request.mesher);
   fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
                        : scene.mesh.tolerance ? *scene.mesh.tolerance
                                               : kDefaultTolerance * diagonal;
@@ -75,9 +78,9 @@ MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const 
     const Part& part = compiled.parts[i];
     PartLog log;
     log.name = part.name;
-    TriangleMesh mesh = fineness.cell > 0
-                            ? mesh_with_cell(part, fineness.cell, log, console)
-                            : mesh_within_tolerance(part, fineness.tolerance, log, console);
+    TriangleMesh mesh = fineness.cell > 0 ? mesh_with_cell(part, fineness.cell, log, console)
+                                          : mesh_within_tolerance(part, *fineness.mesher,
+                                                                  fineness.tolerance, log, console);
     console.stop_if_interrupted();
     if (mesh.empty()) {
       console.show({{Severity::warning, Failure::none, part.where,

@@ -6,6 +6,7 @@
 #include "cli/mesh_report.h"
 #include "cli/mesh_request.h"
 #include "libfield/field/compile.h"
+#include "polygonize/mesher.h"
 #include "polygonize/metrology.h"
 #include "polygonize/triangle_mesh.h"
 
@@ -14,7 +15,8 @@ namespace cs2mesh {
 /// How finely a scene is to be meshed, in scene units.
 struct Fineness {
   double tolerance = 0.0;
-  double cell = 0.0;  ///< 0: what the tolerance needs
+  double cell = 0.0;               ///< 0: what the tolerance needs
+  const Mesher* mesher = nullptr;  ///< where there is no cell
 };
 Fineness fineness_of(const MeshRequest& request, const Scene& scene, const CompiledScene& compiled);
 

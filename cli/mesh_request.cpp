@@ -15,8 +15,16 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
   add_length_option(app, "--cell", request.cell,
                     "side of the grid's cells, over what the tolerance suggests (default: the "
                     "scene's `mesh cell`, or chosen)");
-  app.add_option("--mesher", "how the surface is cut into triangles (default: lattice)")
-      ->check(CLI::IsMember({"lattice"}))
+  std::vector<std::string> names;
+  std::string promises;
+  for (const Mesher& mesher : meshers()) {
+    names.emplace_back(mesher.name);
+    promises += "\n" + names.back() + ": " + std::string(mesher.promise);
+  }
+  app.add_option(
+         "--mesher", request.mesher,
+         "how the surface is cut into triangles (default: " + names.front() + ")" + promises)
+      ->check(CLI::IsMember(names))
       ->type_name("NAME");
   app.add_flag("--verify", request.verify,
                "measure the result with rays before anything is written; status 5 if it is off");

@@ -8,6 +8,7 @@
 #include "cli/console.h"
 #include "cli/options.h"
 #include "polygonize/mesh_file.h"
+#include "polygonize/mesher.h"
 
 namespace cs2mesh {
 
@@ -17,6 +18,7 @@ struct MeshRequest {
   std::vector<std::string> outputs;
   std::optional<Length> tolerance;  ///< not set: the scene's, or 0.1 % of its diagonal
   std::optional<Length> cell;       ///< not set: the scene's, or what the tolerance needs
+  std::string mesher{meshers().front().name};
   std::vector<std::string> attributes;
   bool all_attributes = true;  ///< what format and scene have
   std::string up;              ///< "y", "z" or "": the scene's
