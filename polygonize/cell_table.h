@@ -68,4 +68,21 @@ inline constexpr int kCentre = 8;
 /// returns how many.
 int split_cube(unsigned inside_corners, std::span<SubCell, 12> cells);
 
+/// Calls f(case, table, cell) for each of those pieces; bit kCentre of `inside` is that of the
+/// centre.
+template <class F>
+void for_each_piece(unsigned inside, F&& f) {
+  std::array<SubCell, 12> pieces;
+  const int count = split_cube(inside & 0xffU, pieces);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
+    const SubCell& piece = pieces[i];
+    const CellTable& table = piece.pyramid ? pyramid_table() : tetrahedron_table();
+    unsigned mask = 0;
+    for (unsigned c = 0; c < (piece.pyramid ? 5U : 4U); ++c) {
+      mask |= ((inside >> piece.corner[c]) & 1U) << c;
+    }
+    f(table.cases[mask], table, piece);
+  }
+}
+
 }  // namespace cs2mesh

@@ -1,5 +1,8 @@
 #include "polygonize/editable_mesh.h"
 
+#include <algorithm>
+#include <array>
+
 #include "libfield/base/check.h"
 
 namespace cs2mesh {
@@ -53,6 +56,99 @@ void EditableMesh::split_edge(HalfEdge h, const Vec3d& p) {
   }
   join(kept[0], added[1]);
   join(kept[1], added[0]);
+}
+
+bool EditableMesh::can_collapse(HalfEdge h) const {
+  const HalfEdge back = opposite_[h];
+  const Index a = start_of(mesh_, h);
+  const Index c = end_of(mesh_, next_in_triangle(h)), d = end_of(mesh_, next_in_triangle(back));
+  if (c == d) return false;
+  // Rings of bounded valence: look each neighbour of one up among those of the other.
+  std::array<Index, kMostValence> around{};
+  std::size_t count = 0;
+  bool fits = true;
+  for_ring(h, [&](HalfEdge turn) {
+    if (count == kMostValence) {
+      fits = false;
+    } else {
+      around[count++] = end_of(mesh_, turn);
+    }
+  });
+  if (!fits || count <= 3) return false;
+  const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
+  std::size_t shared = 0, valence = 0;
+  for_ring(back, [&](HalfEdge turn) {
+    ++valence;
+    const Index v = end_of(mesh_, turn);
+    if (v != a && std::find(around.begin(), end, v) != end) ++shared;
+  });
+  return shared == 2 && valence + count <= kMostValence &&
+         valence_above_three(before_in_triangle(h)) &&
+         valence_above_three(before_in_triangle(back));
+}
+
+bool EditableMesh::valence_above_three(HalfEdge h) const {
+  int valence = 0;
+  for_ring(h, [&](HalfEdge) { ++valence; });
+  return valence > 3;
+}
+
+void EditableMesh::collapse_edge(HalfEdge h) {
+  const Index b = end_of(mesh_, h);
+  for_ring(h, [&](HalfEdge turn) { mesh_.triangles[turn / 3][turn % 3] = b; });
+  for (const HalfEdge side : {h, opposite_[h]}) {
+    join(opposite_[next_in_triangle(side)], opposite_[before_in_triangle(side)]);
+    mesh_.triangles[triangle_of(side)].fill(kGone);
+  }
+}
+
+bool EditableMesh::can_flip(HalfEdge h) const {
+  const HalfEdge back = opposite_[h];
+  const Index c = end_of(mesh_, next_in_triangle(h)), d = end_of(mesh_, next_in_triangle(back));
+  if (c == d) return false;
+  bool free = true;
+  for_ring(before_in_triangle(h), [&](HalfEdge turn) { free &= end_of(mesh_, turn) != d; });
+  return free && valence_above_three(h) && valence_above_three(back);
+}
+
+void EditableMesh::flip_edge(HalfEdge h) {
+  // a -> b -> c and b -> a -> d become d -> c -> a ... with h from d to c.
+  const HalfEdge back = opposite_[h];
+  const HalfEdge bc = next_in_triangle(h), ca = before_in_triangle(h);
+  const HalfEdge ad = next_in_triangle(back), db = before_in_triangle(back);
+  const Index c = end_of(mesh_, bc), d = end_of(mesh_, ad);
+  const HalfEdge beyond_bc = opposite_[bc], beyond_ad = opposite_[ad];
+  // (d, c, a): h = d -> c, bc's place = c -> a, ca's place = a -> d.
+  const Index a = end_of(mesh_, ca), b = end_of(mesh_, db);
+  const auto set = [&](HalfEdge at, Index v) { mesh_.triangles[at / 3][at % 3] = v; };
+  const HalfEdge beyond_ca = opposite_[ca], beyond_db = opposite_[db];
+  set(h, d), set(bc, c), set(ca, a);
+  set(back, c), set(ad, d), set(db, b);
+  join(bc, beyond_ca);
+  join(ca, beyond_ad);
+  join(ad, beyond_db);
+  join(db, beyond_bc);
+}
+
+TriangleMesh EditableMesh::take(std::vector<Index>* kept) {
+  std::vector<Index> number(mesh_.positions.size(), kGone);
+  std::vector<bool> used(mesh_.positions.size(), false);
+  TriangleMesh out;
+  for (const auto& triangle : mesh_.triangles) {
+    if (triangle[0] == kGone) continue;
+    out.triangles.push_back(triangle);
+    for (const Index v : triangle) used[v] = true;
+  }
+  for (Index v = 0; v < used.size(); ++v) {
+    if (!used[v]) continue;
+    number[v] = static_cast<Index>(out.positions.size());
+    out.positions.push_back(mesh_.positions[v]);
+    if (kept != nullptr) kept->push_back(v);
+  }
+  for (auto& triangle : out.triangles) {
+    for (Index& v : triangle) v = number[v];
+  }
+  return out;
 }
 
 }  // namespace cs2mesh

@@ -1,4 +1,5 @@
-// A closed mesh whose triangles can be divided one at a time; connectivity is kept up to date.
+// A closed mesh whose triangles can be divided, merged and swapped one at a time; connectivity is
+// kept up to date.
 #pragma once
 
 #include <array>
@@ -9,7 +10,8 @@
 
 namespace cs2mesh {
 
-/// Closed, oriented and manifold before and after every operation. Operations are O(1).
+/// Closed, oriented and manifold before and after every operation. Operations are O(1), for bounded
+/// valence. Collapsed triangles stay in place until take(), and have no edges.
 class EditableMesh {
  public:
   using Index = TriangleMesh::Index;
@@ -19,8 +21,21 @@ class EditableMesh {
       : mesh_(std::move(mesh)), opposite_(opposite_half_edges(mesh_)) {}
 
   const TriangleMesh& mesh() const { return mesh_; }
-  TriangleMesh take() { return std::move(mesh_); }
+  /// The mesh without what was collapsed; `kept`, if not null, gets the former number of each
+  /// vertex of it.
+  TriangleMesh take(std::vector<Index>* kept = nullptr);
   HalfEdge opposite(HalfEdge h) const { return opposite_[h]; }
+  bool alive(std::size_t triangle) const { return mesh_.triangles[triangle][0] != kGone; }
+  void move_vertex(Index v, const Vec3d& p) { mesh_.positions[v] = p; }
+  /// Calls f(h) for each half-edge from the vertex that h starts at.
+  template <class F>
+  void for_ring(HalfEdge h, const F& f) const {
+    HalfEdge turn = h;
+    do {
+      f(turn);
+      turn = opposite_[before_in_triangle(turn)];
+    } while (turn != h);
+  }
 
   /// Puts a vertex at `p` and joins it to the corners of a triangle, which keeps its number for the
   /// part at its first edge; the other two parts are appended.
@@ -28,8 +43,20 @@ class EditableMesh {
   /// Puts a vertex at `p` and makes it the middle of an edge: both triangles at the edge are cut in
   /// two. Each keeps its number for the part at the start of its half-edge; two are appended.
   void split_edge(HalfEdge h, const Vec3d& p);
+  /// Whether h, from a to b, can be collapsed: a and b have no neighbours in common but the two
+  /// apexes, and each of these keeps three neighbours.
+  bool can_collapse(HalfEdge h) const;
+  /// Moves a into b: the two triangles at the edge and a are gone. Contract: can_collapse(h).
+  void collapse_edge(HalfEdge h);
+  /// Whether the other diagonal of the two triangles at an edge is no edge yet.
+  bool can_flip(HalfEdge h) const;
+  /// Replaces the edge by that diagonal: h runs along it then. Contract: can_flip(h).
+  void flip_edge(HalfEdge h);
 
  private:
+  static constexpr Index kGone = ~Index{0};
+  static constexpr std::size_t kMostValence = 24;
+  bool valence_above_three(HalfEdge h) const;
   HalfEdge append(Index a, Index b, Index c);
   void join(HalfEdge a, HalfEdge b);
 

@@ -17,6 +17,9 @@ inline std::size_t triangle_of(HalfEdge h) {
 inline HalfEdge next_in_triangle(HalfEdge h) {
   return h % 3 == 2 ? h - 2 : h + 1;
 }
+inline HalfEdge before_in_triangle(HalfEdge h) {
+  return h % 3 == 0 ? h + 2 : h - 1;
+}
 inline TriangleMesh::Index start_of(const TriangleMesh& mesh, HalfEdge h) {
   return mesh.triangles[h / 3][h % 3];
 }

@@ -2,10 +2,10 @@
 
 #include <algorithm>
 #include <bit>
-#include <limits>
 
 #include "libfield/base/check.h"
 #include "polygonize/cell_table.h"
+#include "polygonize/ear_cutting.h"
 
 namespace cs2mesh {
 namespace {
@@ -39,21 +39,9 @@ void for_each_mixed_cell(const PaddedNodes& inside, F&& f) {
   }
 }
 
-/// Calls f(table case, table, sub-cell) for the pieces of a split cell.
-template <class F>
-void for_each_piece(const SplitCell& split, F&& f) {
-  std::array<SubCell, 12> pieces;
-  const int count = split_cube(split.inside, pieces);
-  const unsigned inside = split.inside | (split.centre_inside() ? 1U << kCentre : 0U);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
-    const SubCell& piece = pieces[i];
-    const CellTable& table = piece.pyramid ? pyramid_table() : tetrahedron_table();
-    unsigned mask = 0;
-    for (unsigned c = 0; c < (piece.pyramid ? 5U : 4U); ++c) {
-      mask |= ((inside >> piece.corner[c]) & 1U) << c;
-    }
-    f(table.cases[mask], table, piece);
-  }
+/// The sides of a split cell's corners and of its centre.
+unsigned inside_of(const SplitCell& split) {
+  return split.inside | (split.centre_inside() ? 1U << kCentre : 0U);
 }
 
 }  // namespace
@@ -139,7 +127,7 @@ void LatticeCells::settle_centres(std::size_t index) {
     split.crossed = static_cast<std::uint8_t>(split.centre_inside() ? ~split.inside : split.inside);
     split.first = static_cast<std::uint32_t>(block.vertices);
     block.vertices += static_cast<std::size_t>(std::popcount(split.crossed));
-    for_each_piece(split, [&](const CellCase& piece, const CellTable&, const SubCell&) {
+    for_each_piece(inside_of(split), [&](const CellCase& piece, const CellTable&, const SubCell&) {
       block.triangles += piece.triangle_count;
     });
   }
@@ -213,11 +201,12 @@ void LatticeCells::make_triangles(std::size_t index, std::span<const Vec3d> posi
       emit(cell, cube, [&](int a, int b) { return lattice_edge_vertex(index, offset, a, b); });
       return;
     }
-    for_each_piece(*split, [&](const CellCase& piece, const CellTable& table, const SubCell& sub) {
-      emit(piece, table, [&](int a, int b) {
-        return split_edge_vertex(index, *split, sub.corner[a], sub.corner[b]);
-      });
-    });
+    for_each_piece(inside_of(*split),
+                   [&](const CellCase& piece, const CellTable& table, const SubCell& sub) {
+                     emit(piece, table, [&](int a, int b) {
+                       return split_edge_vertex(index, *split, sub.corner[a], sub.corner[b]);
+                     });
+                   });
     ++split;
   });
   require(out == triangles.data() + block.first_triangle + block.triangles,
@@ -226,27 +215,12 @@ void LatticeCells::make_triangles(std::size_t index, std::span<const Vec3d> posi
 
 void triangulate(std::span<std::uint32_t> polygon, std::span<const Vec3d> positions,
                  std::array<TriangleMesh::Index, 3>*& out) {
-  std::size_t n = polygon.size();
-  while (n > 3) {
-    std::size_t ear = 0;
-    double shortest = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < n; ++i) {
-      const Vec3d& before = positions[polygon[i == 0 ? n - 1 : i - 1]];
-      const Vec3d& after = positions[polygon[i + 1 == n ? 0 : i + 1]];
-      const double chord = squared_norm(after - before);
-      if (chord < shortest) {
-        shortest = chord;
-        ear = i;
-      }
-    }
-    *out++ = {polygon[ear == 0 ? n - 1 : ear - 1], polygon[ear],
-              polygon[ear + 1 == n ? 0 : ear + 1]};
-    std::copy(polygon.begin() + static_cast<std::ptrdiff_t>(ear) + 1,
-              polygon.begin() + static_cast<std::ptrdiff_t>(n),
-              polygon.begin() + static_cast<std::ptrdiff_t>(ear));
-    --n;
-  }
-  *out++ = {polygon[0], polygon[1], polygon[2]};
+  const auto emit = [&out](std::uint32_t a, std::uint32_t b, std::uint32_t c) {
+    *out++ = {a, b, c};
+  };
+  cut_ears(
+      polygon, positions, [](std::uint32_t, std::uint32_t) { return true; }, emit);
+  emit(polygon[0], polygon[1], polygon[2]);
 }
 
 }  // namespace cs2mesh

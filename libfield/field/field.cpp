@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "libfield/field/far_field.h"
+#include "libfield/field/slope_program.h"
 #include "libfield/field/term_bounds.h"
 #include "libfield/integral/bulk.h"
 
@@ -434,6 +435,27 @@ std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
   for (const std::uint32_t i : list) add_gradient_bound(data_->terms[i], one, sum);
   for (const FarField& far : data_->far) far.add_gradient_bound(one, sum);
   return sum.bound(one);
+}
+
+double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
+  require(box.finite(), "least_slope needs a finite box");
+  std::vector<std::uint32_t> list;
+  near_terms(box, list);
+  const BatchBox one(box);
+  SlopeProgram program;
+  for (const std::uint32_t i : list) program.add(data_->terms[i], one, direction);
+  for (const FarField& far : data_->far) {
+    GradientSum gradient;
+    far.add_gradient_bound(one, gradient);
+    SumBound value;
+    far.add_bounds(BoxBatch({&one, 1}, TaylorOrder::first), 0.0, {&value, 1});
+    program.add(range_of(value, 1, one), least_along(gradient.bound(one), direction));
+  }
+  program.add(Interval(-data_->error_budget, data_->error_budget), 0.0);
+  const double least = program.least(kThreshold);
+  if (least > 0 || data_->terms.size() == 1) return least;
+  // Together the gradients may turn less than each by itself.
+  return std::max(least, least_along(enclose_gradient(box), direction));
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {

@@ -41,6 +41,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   Interval enclose(const Aabb& box) const override;
   void enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const override;
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
+  double least_slope(const Aabb& box, const Vec3d& direction) const override;
   double derivative_bound(int order, const Aabb& box) const override;
   Aabb bounds() const override;
   std::unique_ptr<ImplicitSurface> restrict_to(const Aabb& box) const override;

@@ -12,6 +12,14 @@
 
 namespace cs2mesh {
 
+/// The least inner product with `direction` of a vector within those bounds; not a number or
+/// infinite where they are.
+inline double least_along(const std::array<Interval, 3>& bounds, const Vec3d& direction) {
+  Interval sum(0.0);
+  for (std::size_t i = 0; i < 3; ++i) sum = sum + Interval(direction[i]) * bounds[i];
+  return sum.lo;
+}
+
 /// A function F over space whose surface is {F = 0}; F >= 0 counts as inside, everywhere. Immutable
 /// and safe to use from any number of threads at once. Results depend on the point alone, not on
 /// the points it is evaluated with.
@@ -41,6 +49,10 @@ class ImplicitSurface {
   }
   /// Contains each component of the gradient for every p in the box; infinite where unknown.
   virtual std::array<Interval, 3> enclose_gradient(const Aabb& box) const = 0;
+  /// A lower bound of the derivative of F along `direction`, per length of it, at all points of the
+  /// surface in the box; infinite if there are none. Where it is positive, F changes its sign at
+  /// most once along every line of that direction within the box: the surface there is a graph.
+  virtual double least_slope(const Aabb& box, const Vec3d& direction) const;
   /// An upper bound, over the box, of the operator norm of the derivative of that order (1 to 4);
   /// infinite where there is none: where the derivative before it jumps, as at the edges of finite
   /// supports (from order 3 on) and the creases of solids (from order 2 on), or where none is
@@ -70,6 +82,10 @@ class ImplicitSurface {
     return out;
   }
 };
+
+inline double ImplicitSurface::least_slope(const Aabb& box, const Vec3d& direction) const {
+  return least_along(enclose_gradient(box), direction);
+}
 
 inline void ImplicitSurface::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const {
   for (std::size_t i = 0; i < points.size(); ++i) {

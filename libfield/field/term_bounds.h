@@ -14,6 +14,7 @@
 
 #include "libfield/base/interval.h"
 #include "libfield/base/jet2.h"
+#include "libfield/field/implicit_surface.h"
 #include "libfield/field/term.h"
 
 namespace cs2mesh {

@@ -1,0 +1,179 @@
+#include "polygonize/octree.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "libfield/base/check.h"
+
+namespace cs2mesh {
+
+double Octree::side(int level) const {
+  return std::ldexp(side_, -level);
+}
+
+Vec3d Octree::point(const Int3& at) const {
+  const double unit = side(kMostLevels);
+  return {origin_.x + unit * at.x, origin_.y + unit * at.y, origin_.z + unit * at.z};
+}
+
+Aabb Octree::box(Index cell) const {
+  const Int3& low = cells_[cell].corner;
+  const std::int32_t width = std::int32_t{1} << (kMostLevels - cells_[cell].level);
+  return {point(low), point(low + Int3{width, width, width})};
+}
+
+Octree::Index Octree::split(Index cell) {
+  require(is_leaf(cell) && cells_[cell].level < kMostLevels, "Octree: no leaf to split");
+  const auto first = static_cast<Index>(cells_.size());
+  Cell child = cells_[cell];
+  ++child.level;
+  const std::int32_t width = std::int32_t{1} << (kMostLevels - child.level);
+  for (int i = 0; i < 8; ++i) {
+    cells_.push_back(child);
+    cells_.back().corner = child.corner + width * corner_step(i);
+  }
+  cells_[cell].children = first;
+  return first;
+}
+
+void Octree::settle_sides() {
+  // Children come after their parents.
+  for (std::size_t i = cells_.size(); i-- > 0;) {
+    Cell& cell = cells_[i];
+    cell.uniform = true;
+    if (cell.children == 0) continue;
+    const auto first = cells_.begin() + cell.children;
+    cell.inside = first->inside;
+    cell.uniform = std::all_of(first, first + 8, [&](const Cell& child) {
+      return child.uniform && child.inside == cell.inside;
+    });
+  }
+}
+
+Int3 meeting_point(const Octree& octree, const DualCell& cell) {
+  // Of the leaves on the low side some end there, and none before.
+  constexpr std::int32_t kFar = std::int32_t{1} << Octree::kMostLevels;
+  Int3 point{kFar, kFar, kFar};
+  for (int i = 0; i < 8; ++i) {
+    const Octree::Cell& leaf = octree[cell[static_cast<std::size_t>(i)]];
+    const std::int32_t width = std::int32_t{1} << (Octree::kMostLevels - leaf.level);
+    if ((i & 1) == 0) point.x = std::min(point.x, leaf.corner.x + width);
+    if ((i & 2) == 0) point.y = std::min(point.y, leaf.corner.y + width);
+    if ((i & 4) == 0) point.z = std::min(point.z, leaf.corner.z + width);
+  }
+  return point;
+}
+
+namespace {
+
+/// The walk of Ju, Losasso, Schaefer and Warren ("Dual contouring of Hermite data", 2002, figure 3)
+/// down to the corners of leaves.
+class DualWalk {
+ public:
+  using Index = Octree::Index;
+  DualWalk(const Octree& octree, std::vector<DualCell>& found) : octree_(octree), found_(found) {}
+
+  void inside(Index cell) {
+    if (octree_.is_leaf(cell) || octree_[cell].uniform) return;
+    DualCell children;
+    for (int i = 0; i < 8; ++i) {
+      children[static_cast<std::size_t>(i)] = octree_.child(cell, i);
+      inside(octree_.child(cell, i));
+    }
+    for (unsigned axis = 0; axis < 3; ++axis) {
+      const Axes a(axis);
+      for (unsigned uv = 0; uv < 4; ++uv) {
+        across_face(a, children[a.bits(0, uv)], children[a.bits(1, uv)]);
+      }
+      for (unsigned s = 0; s < 2; ++s) {
+        around_edge(a, {children[a.bits(s, 0)], children[a.bits(s, 1)], children[a.bits(s, 2)],
+                        children[a.bits(s, 3)]});
+      }
+    }
+    at_corner(children);
+  }
+
+ private:
+  using Four = std::array<Index, 4>;
+
+  /// An axis and the two after it.
+  struct Axes {
+    explicit Axes(unsigned axis) : w(axis), u((axis + 1) % 3), v((axis + 2) % 3) {}
+    /// The corner at `s` along the axis and at bits 0 and 1 of `uv` along the others.
+    unsigned bits(unsigned s, unsigned uv) const {
+      return (s << w) | ((uv & 1U) << u) | ((uv >> 1U) << v);
+    }
+    unsigned w, u, v;
+  };
+
+  template <class Cells>
+  bool all_leaves(const Cells& cells) const {
+    return std::all_of(cells.begin(), cells.end(), [&](Index c) { return octree_.is_leaf(c); });
+  }
+  /// Whether no dual cell between these cells is mixed.
+  template <class Cells>
+  bool settled(const Cells& cells) const {
+    const bool side = octree_[cells[0]].inside;
+    return std::all_of(cells.begin(), cells.end(),
+                       [&](Index c) { return octree_[c].uniform && octree_[c].inside == side; });
+  }
+  Index child(Index cell, unsigned corner) const {
+    return octree_.child(cell, static_cast<int>(corner));
+  }
+
+  /// Two cells that share a face; `high` follows `low` along the axis.
+  void across_face(const Axes& a, Index low, Index high) {
+    const std::array<Index, 2> both{low, high};
+    if (all_leaves(both) || settled(both)) return;
+    DualCell around;  // by corner, as seen from the middle of the face
+    for (unsigned uv = 0; uv < 4; ++uv) {
+      around[a.bits(0, uv)] = child(low, a.bits(1, uv));
+      around[a.bits(1, uv)] = child(high, a.bits(0, uv));
+      across_face(a, around[a.bits(0, uv)], around[a.bits(1, uv)]);
+    }
+    for (const unsigned along : {a.u, a.v}) {
+      const Axes e(along);
+      for (unsigned s = 0; s < 2; ++s) {
+        around_edge(e, {around[e.bits(s, 0)], around[e.bits(s, 1)], around[e.bits(s, 2)],
+                        around[e.bits(s, 3)]});
+      }
+    }
+    at_corner(around);
+  }
+
+  /// Four cells that share an edge along the axis.
+  void around_edge(const Axes& a, const Four& cells) {
+    if (all_leaves(cells) || settled(cells)) return;
+    DualCell around;
+    for (unsigned s = 0; s < 2; ++s) {
+      Four half;
+      for (unsigned uv = 0; uv < 4; ++uv) half[uv] = child(cells[uv], a.bits(s, 3 - uv));
+      for (unsigned uv = 0; uv < 4; ++uv) around[a.bits(s, uv)] = half[uv];
+      around_edge(a, half);
+    }
+    at_corner(around);
+  }
+
+  void at_corner(DualCell cells) {
+    while (!settled(cells)) {
+      if (all_leaves(cells)) {
+        found_.push_back(cells);
+        return;
+      }
+      for (unsigned i = 0; i < 8; ++i) cells[i] = child(cells[i], 7 - i);
+    }
+  }
+
+  const Octree& octree_;
+  std::vector<DualCell>& found_;
+};
+
+}  // namespace
+
+std::vector<DualCell> mixed_dual_cells(const Octree& octree) {
+  std::vector<DualCell> found;
+  DualWalk(octree, found).inside(0);
+  return found;
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,72 @@
+// A cube cut in eight again and again, and the cells of its dual grid.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "libfield/base/aabb.h"
+#include "polygonize/lattice.h"
+
+namespace cs2mesh {
+
+/// Cells by number; the root is 0 and the eight children of a cell follow each other, child i at
+/// corner_step(i) of it. A leaf is a cell without children. Each cell has a side: that of the
+/// sample in it, if it is a leaf.
+class Octree {
+ public:
+  using Index = std::uint32_t;
+  /// Corners are whole multiples of the root's side over 2^kMostLevels.
+  static constexpr int kMostLevels = 28;
+
+  struct Cell {
+    Index children = 0;  ///< the first; 0 for a leaf
+    Int3 corner;         ///< the lowest, in the smallest units there are
+    std::uint8_t level = 0;
+    bool inside = false;
+    bool uniform = true;  ///< every leaf below is on the side of `inside`; see settle_sides()
+  };
+
+  Octree(const Vec3d& origin, double side) : origin_(origin), side_(side), cells_(1) {}
+
+  std::size_t size() const { return cells_.size(); }
+  const Cell& operator[](Index cell) const { return cells_[cell]; }
+  bool is_leaf(Index cell) const { return cells_[cell].children == 0; }
+  /// The child at a corner; of a leaf, itself.
+  Index child(Index cell, int corner) const {
+    const Index first = cells_[cell].children;
+    return first == 0 ? cell : first + static_cast<Index>(corner);
+  }
+  double side(int level) const;
+  /// A corner or other point in the smallest units; rounded to nearest, hence monotone.
+  Vec3d point(const Int3& at) const;
+  Aabb box(Index cell) const;
+  Vec3d center(Index cell) const { return box(cell).center(); }
+
+  /// Cuts a leaf above kMostLevels in eight leaves on its side; returns the first.
+  Index split(Index cell);
+  void set_inside(Index leaf, bool inside) { cells_[leaf].inside = inside; }
+  /// Tells all cells above the leaves whether they are uniform. Linear.
+  void settle_sides();
+
+ private:
+  Vec3d origin_;
+  double side_;
+  std::vector<Cell> cells_;
+};
+
+/// The leaves around a corner of leaves: i lies at corner_step(i) from it. A leaf on whose face or
+/// edge the corner lies stands in two or four places.
+using DualCell = std::array<Octree::Index, 8>;
+
+/// The point that the leaves of a dual cell meet in, in the octree's smallest units.
+Int3 meeting_point(const Octree& octree, const DualCell& cell);
+
+/// Every corner of leaves within the root at which not all leaves are on one side, once each, in an
+/// order that depends on the octree alone. After settle_sides(). The dual grid is conforming: a
+/// face of a dual cell is a face of its neighbour (Schaefer and Warren, "Dual marching cubes:
+/// primal contouring of dual grids", 2004).
+std::vector<DualCell> mixed_dual_cells(const Octree& octree);
+
+}  // namespace cs2mesh

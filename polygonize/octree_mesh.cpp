@@ -1,0 +1,73 @@
+#include "polygonize/octree_mesh.h"
+
+#include <algorithm>
+
+#include "polygonize/dual_surface.h"
+#include "polygonize/edge_root.h"
+#include "polygonize/make_manifold.h"
+
+namespace cs2mesh {
+namespace {
+
+/// A sample and what is known of F there.
+struct Sample {
+  Vec3d point;
+  const Jet* jet = nullptr;  ///< null in an empty leaf
+};
+
+/// Where a tangent at `from` reaches the surface on the way to `to`, away from both ends.
+Vec3d by_one_jet(const Sample& from, const Vec3d& to) {
+  constexpr double kClearance = 0.05;
+  const double t = -from.jet->value / dot(from.jet->gradient, to - from.point);
+  const double kept = t > kClearance ? std::min(t, 1 - kClearance) : kClearance;
+  return from.point + kept * (to - from.point);
+}
+
+Vec3d crossing_between(const Sample& a, const Sample& b) {
+  if (a.jet == nullptr && b.jet == nullptr) return 0.5 * (a.point + b.point);
+  if (b.jet == nullptr) return by_one_jet(a, b.point);
+  if (a.jet == nullptr) return by_one_jet(b, a.point);
+  const Vec3d way = b.point - a.point;
+  const double t = hermite_root(a.jet->value, dot(a.jet->gradient, way), b.jet->value,
+                                dot(b.jet->gradient, way));
+  return a.point + t * way;
+}
+
+Sample sample_in(const SurfaceOctree& tree, Octree::Index leaf) {
+  return {tree.octree().center(leaf),
+          tree.kind(leaf) == LeafKind::empty ? nullptr : &tree.jet(leaf)};
+}
+
+}  // namespace
+
+OctreeMesh mesh_octree(const ImplicitSurface& surface, const SurfaceOctree& tree) {
+  DualSurface dual(tree.octree());
+  const std::vector<Vec3d> middles(dual.middles().begin(), dual.middles().end());
+  std::vector<Jet> jets(middles.size());
+  surface.jets(middles, jets);
+  std::vector<bool> inside(middles.size());
+  for (std::size_t i = 0; i < jets.size(); ++i) inside[i] = jets[i].value >= 0;
+  dual.cross(inside);
+
+  OctreeMesh result;
+  result.evaluations = jets.size();
+  for (const DualSurface::Crossing& crossing : dual.crossings()) {
+    const Sample a = sample_in(tree, crossing.leaf);
+    if (crossing.middle != DualSurface::Crossing::kNone) {
+      const Sample b{middles[crossing.middle], &jets[crossing.middle]};
+      result.mesh.positions.push_back(crossing_between(a, b));
+      result.leaf_of.push_back(crossing.leaf);
+    } else {
+      result.mesh.positions.push_back(crossing_between(a, sample_in(tree, crossing.other)));
+      result.leaf_of.push_back(a.jet != nullptr ? crossing.leaf : crossing.other);
+    }
+  }
+  std::vector<TriangleMesh::Index> beside;
+  result.mesh.triangles = dual.triangulate(result.mesh.positions, beside);
+  for (const TriangleMesh::Index v : beside) result.leaf_of.push_back(result.leaf_of[v]);
+  beside = make_manifold(result.mesh);
+  for (const TriangleMesh::Index v : beside) result.leaf_of.push_back(result.leaf_of[v]);
+  return result;
+}
+
+}  // namespace cs2mesh

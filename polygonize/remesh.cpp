@@ -1,0 +1,330 @@
+#include "polygonize/remesh.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <vector>
+
+#include "libfield/base/check.h"
+#include "polygonize/editable_mesh.h"
+#include "polygonize/sagitta.h"
+
+namespace cs2mesh {
+namespace {
+
+using Index = TriangleMesh::Index;
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// 1 for an equilateral triangle, 0 for one without area.
+double quality(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  const double sides = squared_norm(b - a) + squared_norm(c - b) + squared_norm(a - c);
+  return 2 * std::sqrt(3.0) * norm(cross(b - a, c - a)) / sides;
+}
+
+class Remesher {
+ public:
+  Remesher(const ImplicitSurface& surface, const SurfaceOctree& tree, TriangleMesh mesh,
+           std::span<const Octree::Index> leaf_of, const RemeshOptions& options)
+      : surface_(surface),
+        tree_(tree),
+        options_(options),
+        leaf_of_(leaf_of),
+        mesh_(std::move(mesh)),
+        normals_(leaf_of.size()) {
+    sort_by_place();
+  }
+
+  TriangleMesh run() {
+    project(3);
+    for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
+      find_lengths();
+      for (const double share : {0.35, 0.55, 0.75}) collapse_short(share);
+      flip_edges();
+      relax();
+      flip_edges();
+    }
+    find_lengths();
+    collapse_short(0.8);
+    flip_edges();
+    return mesh_.take();
+  }
+
+  RemeshStatistics statistics;
+
+ private:
+  const Vec3d& position(Index v) const { return mesh_.mesh().positions[v]; }
+  Index start(HalfEdge h) const { return start_of(mesh_.mesh(), h); }
+  Index end(HalfEdge h) const { return end_of(mesh_.mesh(), h); }
+  std::size_t half_edge_count() const { return 3 * mesh_.mesh().triangles.size(); }
+
+  // ---- Vertices and the surface ----
+
+  /// Vertices in an order in which those near one restriction of F follow each other.
+  void sort_by_place() {
+    order_.resize(leaf_of_.size());
+    std::iota(order_.begin(), order_.end(), Index{0});
+    std::stable_sort(order_.begin(), order_.end(), [&](Index a, Index b) {
+      return tree_.surface_number(leaf_of_[a]) < tree_.surface_number(leaf_of_[b]);
+    });
+  }
+
+  /// The jets at points, one for each vertex of `vertices`.
+  void evaluate(std::span<const Index> vertices, std::span<const Vec3d> points,
+                std::span<Jet> jets) {
+    statistics.jets += points.size();
+    std::vector<std::pair<std::size_t, std::size_t>> runs;
+    for (std::size_t first = 0; first < vertices.size();) {
+      const std::uint32_t number = tree_.surface_number(leaf_of_[vertices[first]]);
+      std::size_t last = first + 1;
+      while (last < vertices.size() && tree_.surface_number(leaf_of_[vertices[last]]) == number) {
+        ++last;
+      }
+      runs.emplace_back(first, last);
+      first = last;
+    }
+    tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
+      const auto [first, last] = runs[i];
+      const Octree::Index leaf = leaf_of_[vertices[first]];
+      const Aabb& box = tree_.surface_box(leaf);
+      const auto run = points.subspan(first, last - first);
+      const bool inside =
+          std::all_of(run.begin(), run.end(), [&](const Vec3d& p) { return box.contains(p); });
+      (inside ? tree_.surface_at(leaf) : surface_).jets(run, jets.subspan(first, last - first));
+    });
+  }
+
+  /// Brings vertices to the surface along the gradient and takes its direction there.
+  void project(int steps) {
+    std::vector<Vec3d> points(order_.size());
+    std::vector<Jet> jets(order_.size());
+    for (std::size_t i = 0; i < order_.size(); ++i) points[i] = position(order_[i]);
+    for (int step = 0; step < steps; ++step) {
+      evaluate(order_, points, jets);
+      for (std::size_t i = 0; i < order_.size(); ++i) {
+        const Vec3d& g = jets[i].gradient;
+        const double slope = squared_norm(g);
+        if (!(slope > 0)) continue;
+        normals_[order_[i]] = -1.0 / std::sqrt(slope) * g;
+        points[i] -= bounded(jets[i].value / slope * g, order_[i]);
+      }
+    }
+    for (std::size_t i = 0; i < order_.size(); ++i) mesh_.move_vertex(order_[i], points[i]);
+  }
+
+  /// A step no longer than a quarter of a cell.
+  Vec3d bounded(const Vec3d& step, Index v) const {
+    const double most = 0.25 * tree_.octree().side(tree_.octree()[leaf_of_[v]].level);
+    const double length = norm(step);
+    return length > most ? most / length * step : step;
+  }
+
+  // ---- Edges ----
+
+  double sagitta_of(Index a, Index b) const {
+    return sagitta(position(a), normals_[a], position(b), normals_[b]);
+  }
+  double deviation_of(Index a, Index b, Index c) const {
+    return deviation(sagitta_of(a, b), sagitta_of(b, c), sagitta_of(c, a));
+  }
+  double deviation_of(std::size_t triangle) const {
+    const auto& t = mesh_.mesh().triangles[triangle];
+    return deviation_of(t[0], t[1], t[2]);
+  }
+
+  /// The squared length of edges that suits the curvature at each vertex, graded.
+  void find_lengths() {
+    lengths_.assign(normals_.size(), kInfinity);
+    const double scale = 6 * kAim * options_.tolerance;
+    for (HalfEdge h = 0; h < half_edge_count(); ++h) {
+      if (!mesh_.alive(triangle_of(h))) continue;
+      const Index a = start(h), b = end(h);
+      const double length = squared_norm(position(b) - position(a));
+      const double rise = 8 * std::abs(sagitta_of(a, b));
+      // Of the curvature rise / length, averaged over the edge.
+      if (rise > 0) lengths_[a] = std::min(lengths_[a], scale * length / rise);
+    }
+  }
+  double length_at(HalfEdge h) const { return std::min(lengths_[start(h)], lengths_[end(h)]); }
+
+  void collapse_short(double share) {
+    for (HalfEdge h = 0; h < half_edge_count(); ++h) {
+      if (!mesh_.alive(triangle_of(h))) continue;
+      const double length = squared_norm(position(end(h)) - position(start(h)));
+      if (!(length < share * share * length_at(h))) continue;
+      if (may_collapse(h)) {
+        mesh_.collapse_edge(h);
+        ++statistics.collapses;
+      }
+    }
+  }
+
+  /// Whether the triangles that stay around the start of h would be near the surface, face its way,
+  /// and be shaped no worse than is tolerable or than they were.
+  bool may_collapse(HalfEdge h) const {
+    constexpr double kShape = 0.35;
+    const Index a = start(h), b = end(h);
+    const HalfEdge back = mesh_.opposite(h);
+    bool fits = dot(normals_[a], normals_[b]) > kTurn;
+    double worst = 1.0, worst_now = 1.0;
+    mesh_.for_ring(h, [&](HalfEdge turn) {
+      if (!fits) return;
+      const Index c = end(turn), d = end(next_in_triangle(turn));
+      worst_now = std::min(worst_now, quality(position(a), position(c), position(d)));
+      if (turn == h || triangle_of(turn) == triangle_of(back)) return;
+      fits = faces_outward(b, c, d) && deviation_of(b, c, d) <= kAim * options_.tolerance &&
+             near_vertex(a, b, c, d);
+      worst = std::min(worst, quality(position(b), position(c), position(d)));
+    });
+    return fits && (worst > kShape || worst > worst_now) && mesh_.can_collapse(h);
+  }
+
+  /// Whether the plane of a triangle passes within the tolerance of a vertex, along its normal.
+  bool near_vertex(Index v, Index a, Index b, Index c) const {
+    const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
+    const double height = dot(area, position(v) - position(a));
+    return std::abs(height) <= options_.tolerance * norm(area);
+  }
+
+  bool faces_outward(Index a, Index b, Index c) const {
+    const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
+    const double least = kTurn * norm(area);
+    return dot(area, normals_[a]) > least && dot(area, normals_[b]) > least &&
+           dot(area, normals_[c]) > least;
+  }
+
+  /// Makes edges locally Delaunay where that keeps the mesh near the surface.
+  void flip_edges() {
+    for (int sweep = 0; sweep < 2; ++sweep) {
+      std::size_t flipped = 0;
+      for (HalfEdge h = 0; h < half_edge_count(); ++h) {
+        if (!mesh_.alive(triangle_of(h)) || mesh_.opposite(h) < h) continue;
+        if (should_flip(h)) {
+          mesh_.flip_edge(h);
+          ++flipped;
+        }
+      }
+      statistics.flips += flipped;
+      if (flipped == 0) break;
+    }
+  }
+
+  bool should_flip(HalfEdge h) const {
+    const HalfEdge back = mesh_.opposite(h);
+    const Index a = start(h), b = end(h);
+    const Index c = end(next_in_triangle(h)), d = end(next_in_triangle(back));
+    if (c == d) return false;
+    if (!(cotangent(c, a, b) + cotangent(d, b, a) < -1e-9)) return false;
+    if (!faces_outward(d, c, a) || !faces_outward(c, d, b)) return false;
+    const double now = std::max(deviation_of(a, b, c), deviation_of(b, a, d));
+    const double then = std::max(deviation_of(d, c, a), deviation_of(c, d, b));
+    if (then > now && then > kAim * options_.tolerance) return false;
+    return mesh_.can_flip(h);
+  }
+
+  /// Of the angle at a.
+  double cotangent(Index a, Index b, Index c) const {
+    const Vec3d u = position(b) - position(a), v = position(c) - position(a);
+    return dot(u, v) / std::max(norm(cross(u, v)), std::numeric_limits<double>::min());
+  }
+
+  // ---- Moving ----
+
+  /// Moves every vertex towards the middle of its triangles, along the surface, where no triangle
+  /// turns over for it.
+  void relax() {
+    const auto& triangles = mesh_.mesh().triangles;
+    std::vector<Vec3d> sum(normals_.size(), Vec3d{});
+    std::vector<double> weight(normals_.size(), 0.0);
+    for (const auto& t : triangles) {
+      if (t[0] == t[1]) continue;
+      const Vec3d middle = (position(t[0]) + position(t[1]) + position(t[2])) / 3.0;
+      const double area =
+          norm(cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0])));
+      for (const Index v : t) {
+        sum[v] += area * middle;
+        weight[v] += area;
+      }
+    }
+    std::vector<Index> moved;
+    std::vector<Vec3d> points;
+    for (const Index v : order_) {
+      if (!(weight[v] > 0)) continue;
+      const Vec3d step = sum[v] / weight[v] - position(v);
+      points.push_back(position(v) + (step - dot(step, normals_[v]) * normals_[v]));
+      moved.push_back(v);
+    }
+    move(moved, points);
+  }
+
+  void move(std::span<const Index> vertices, std::span<Vec3d> points) {
+    std::vector<Jet> jets(points.size());
+    std::vector<Vec3d> old_points(vertices.size()), old_normals(vertices.size());
+    evaluate(vertices, points, jets);
+    for (std::size_t i = 0; i < vertices.size(); ++i) {
+      const Index v = vertices[i];
+      old_points[i] = position(v), old_normals[i] = normals_[v];
+      const Vec3d& g = jets[i].gradient;
+      const double slope = squared_norm(g);
+      if (!(slope > 0)) continue;
+      mesh_.move_vertex(v, points[i] - bounded(jets[i].value / slope * g, v));
+      normals_[v] = -1.0 / std::sqrt(slope) * g;
+    }
+    take_back(vertices, old_points, old_normals);
+  }
+
+  /// Returns the vertices of triangles that turned over, until there are none or all are back.
+  void take_back(std::span<const Index> vertices, std::span<const Vec3d> points,
+                 std::span<const Vec3d> normals) {
+    std::vector<Index> place(normals_.size(), 0);
+    for (std::size_t i = 0; i < vertices.size(); ++i) place[vertices[i]] = static_cast<Index>(i);
+    std::vector<bool> back(vertices.size(), false);
+    constexpr int kMostRounds = 8;
+    for (int round = 0; round < kMostRounds; ++round) {
+      bool any = false;
+      for (const auto& t : mesh_.mesh().triangles) {
+        if (t[0] == t[1] || (faces_outward(t[0], t[1], t[2]) &&
+                             deviation_of(t[0], t[1], t[2]) <= options_.tolerance)) {
+          continue;
+        }
+        for (const Index v : t) {
+          const Index i = place[v];
+          if (back[i]) continue;
+          back[i] = any = true;
+          mesh_.move_vertex(v, points[i]);
+          normals_[v] = normals[i];
+        }
+      }
+      if (!any) break;
+    }
+  }
+
+  static constexpr double kAim = 0.85;  ///< of the tolerance
+  static constexpr double kTurn = 0.2;  ///< least cosine between a triangle and its normals
+
+  const ImplicitSurface& surface_;
+  const SurfaceOctree& tree_;
+  const RemeshOptions& options_;
+  std::span<const Octree::Index> leaf_of_;
+  EditableMesh mesh_;
+  std::vector<Vec3d> normals_;
+  std::vector<double> lengths_;
+  std::vector<Index> order_;
+};
+
+}  // namespace
+
+TriangleMesh remesh(const ImplicitSurface& surface, const SurfaceOctree& tree, TriangleMesh mesh,
+                    std::span<const Octree::Index> leaf_of, const RemeshOptions& options,
+                    RemeshStatistics* statistics) {
+  require(options.tolerance > 0, "remesh: the tolerance must be positive");
+  require(leaf_of.size() == mesh.positions.size(), "remesh: one leaf a vertex");
+  Remesher remesher(surface, tree, std::move(mesh), leaf_of, options);
+  TriangleMesh result = remesher.run();
+  if (statistics != nullptr) *statistics = remesher.statistics;
+  return result;
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,39 @@
+// A mesh of a surface made to fit a tolerance with few and well-shaped triangles: edges collapsed
+// and flipped, vertices moved along the surface.
+//
+// How far a triangle is from the surface is told by the normals at its corners, to second order
+// (sagitta.h), so that most of the work asks nothing of F. Edges get the length at which an
+// equilateral triangle on a sphere of the greatest curvature around has its middle the tolerance
+// off, unless that is more than those around allow (Botsch and Kobbelt, "A remeshing approach to
+// multiresolution modeling", 2004).
+#pragma once
+
+#include <cstddef>
+#include <span>
+
+#include "libfield/base/progress.h"
+#include "polygonize/surface_octree.h"
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+struct RemeshOptions {
+  double tolerance = 0.0;  ///< scene units, > 0
+  int rounds = 3;          ///< of collapsing, flipping and moving
+  Progress* progress = nullptr;
+};
+
+struct RemeshStatistics {
+  std::size_t collapses = 0, flips = 0;
+  std::size_t jets = 0;
+};
+
+/// `mesh` is closed, oriented and 2-manifold (else ContractViolation), without attributes; it comes
+/// from `tree`, whose leaf_of[v] is a leaf vertex v is near. Vertices are on the surface of the
+/// tree afterwards, as far as Newton's method along the gradient takes them. The topology of the
+/// mesh stays as it is. Not promised: that every triangle is within the tolerance.
+TriangleMesh remesh(const ImplicitSurface& surface, const SurfaceOctree& tree, TriangleMesh mesh,
+                    std::span<const Octree::Index> leaf_of, const RemeshOptions& options,
+                    RemeshStatistics* statistics = nullptr);
+
+}  // namespace cs2mesh

@@ -1,0 +1,230 @@
+#include "polygonize/surface_octree.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+
+#include "libfield/base/check.h"
+
+namespace cs2mesh {
+namespace {
+
+/// Restrictions reach this far beyond their cell, in its sides.
+constexpr double kMargin = 0.25;
+
+/// Not "lo <= 0 && 0 <= hi": an enclosure that is not a number clears nothing.
+bool may_hold_zero(const Interval& f) {
+  return !(f.lo > 0 || f.hi < 0);
+}
+
+/// Whether triangles of that side stay within the tolerance where normals turn by `turn` a length:
+/// an equilateral triangle with its corners on a sphere is that far off in its middle. (Where the
+/// surface turns within less than a side, as in a groove, `turn` is an average, and so is this.)
+bool fits(double side, double turn, double tolerance) {
+  return turn * side * side <= 6 * tolerance;
+}
+
+/// The cube in which the octree begins: the bounds with room for a leaf of air around, and off
+/// their middle, for symmetric shapes have their singular places there.
+Octree root_around(const Aabb& box, double smallest) {
+  const Vec3d extent = box.extent();
+  const double width = std::max({extent.x, extent.y, extent.z});
+  const double side = std::max(1.2 * width, 4 * smallest);
+  const Vec3d shift{0.5 * (side - extent.x) - 0.0137 * side,
+                    0.5 * (side - extent.y) - 0.0219 * side,
+                    0.5 * (side - extent.z) - 0.0171 * side};
+  return {box.min - shift, side};
+}
+
+}  // namespace
+
+/// A child of a cell that was cut.
+struct SurfaceOctree::Child {
+  Jet jet;
+  LeafKind kind = LeafKind::empty;
+  bool inside = false;
+  bool cut = false;
+};
+
+/// A cell that was cut.
+struct SurfaceOctree::Opened {
+  std::array<Child, 8> children;
+  std::shared_ptr<const ImplicitSurface> surface;  ///< null: that of the cell
+  Aabb surface_box;
+  Counts counts;
+};
+
+namespace {
+
+/// The boxes of the children.
+std::array<Aabb, 8> parts(const Octree& octree, Octree::Index cell) {
+  const Octree::Cell& parent = octree[cell];
+  const std::int32_t width = std::int32_t{1} << (Octree::kMostLevels - parent.level - 1);
+  std::array<Aabb, 8> boxes;
+  for (int i = 0; i < 8; ++i) {
+    const Int3 low = parent.corner + width * corner_step(i);
+    boxes[static_cast<std::size_t>(i)] = {octree.point(low),
+                                          octree.point(low + Int3{width, width, width})};
+  }
+  return boxes;
+}
+
+/// How much normals turn a length between the centre of one child and those of the others, or that
+/// of the parent.
+double turn_between(const Vec3d& normal, const Vec3d& at, const Vec3d& other_normal,
+                    const Vec3d& other) {
+  return norm(normal - other_normal) / norm(at - other);
+}
+
+}  // namespace
+
+SurfaceOctree::Opened SurfaceOctree::look_into(Index cell,
+                                               const SurfaceOctreeOptions& options) const {
+  Opened opened;
+  const Aabb whole = octree_.box(cell);
+  const double side = octree_.side(octree_[cell].level);
+  opened.surface_box = whole.grown(kMargin * side);
+  opened.surface = surface_at(cell).restrict_to(opened.surface_box);
+  const std::array<Aabb, 8> boxes = parts(octree_, cell);
+  std::array<Interval, 8> ranges;
+  opened.surface->enclose_each(boxes, ranges);
+  opened.counts.enclosures = 8;
+
+  std::array<Vec3d, 8> centers;
+  std::array<std::size_t, 8> active{};
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 8; ++i) {
+    Child& child = opened.children[i];
+    if (may_hold_zero(ranges[i])) {
+      centers[count] = boxes[i].center();
+      active[count++] = i;
+    } else {
+      child.inside = ranges[i].lo > 0;
+    }
+  }
+  std::array<Jet, 8> jets;
+  opened.surface->jets(std::span(centers).first(count), std::span(jets).first(count));
+  opened.counts.values = opened.counts.gradients = count;
+  for (std::size_t k = 0; k < count; ++k) {
+    Child& child = opened.children[active[k]];
+    child.jet = jets[k];
+    child.inside = jets[k].value >= 0;
+    child.kind = LeafKind::open;
+  }
+  judge(cell, opened, options);
+  return opened;
+}
+
+/// Decides which of the children that may hold surface are to be cut.
+void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const {
+  const std::array<Aabb, 8> boxes = parts(octree_, cell);
+  const double side = octree_.side(octree_[cell].level + 1);
+  const bool may_cut =
+      side >= 2 * options.smallest && octree_[cell].level + 1 < Octree::kMostLevels;
+  const Vec3d middle = octree_.center(cell);
+  const Vec3d parent_normal = normalized(jets_[cell].gradient);
+  for (std::size_t i = 0; i < 8; ++i) {
+    Child& child = opened.children[i];
+    if (child.kind == LeafKind::empty) continue;
+    const Vec3d normal = normalized(child.jet.gradient);
+    const Vec3d at = boxes[i].center();
+    double turn = turn_between(normal, at, parent_normal, middle);
+    for (std::size_t j = 0; j < 8; ++j) {
+      const Child& other = opened.children[j];
+      if (j == i || other.kind == LeafKind::empty) continue;
+      turn = std::max(turn,
+                      turn_between(normal, at, normalized(other.jet.gradient), boxes[j].center()));
+    }
+    const bool small = fits(side, turn, options.tolerance);
+    if (small || !may_cut) {
+      ++opened.counts.slopes;
+      if (opened.surface->least_slope(boxes[i], normal) > 0) child.kind = LeafKind::simple;
+    }
+    child.cut = may_cut && !(small && child.kind == LeafKind::simple);
+  }
+}
+
+void SurfaceOctree::take(Index cell, const Opened& opened, std::vector<Index>& open) {
+  std::uint32_t number = surface_of_[cell];
+  if (opened.surface) {
+    number = static_cast<std::uint32_t>(surfaces_.size());
+    surfaces_.push_back(opened.surface);
+    surface_boxes_.push_back(opened.surface_box);
+  }
+  const Index first = octree_.split(cell);
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Child& child = opened.children[i];
+    const Index index = first + static_cast<Index>(i);
+    octree_.set_inside(index, child.inside);
+    kinds_.push_back(child.kind);
+    jets_.push_back(child.jet);
+    surface_of_.push_back(number);
+    if (child.cut) open.push_back(index);
+  }
+  counts_.values += opened.counts.values;
+  counts_.gradients += opened.counts.gradients;
+  counts_.enclosures += opened.counts.enclosures;
+  counts_.slopes += opened.counts.slopes;
+}
+
+/// Cuts these leaves and what is to be cut of them; false if cancelled or too many.
+bool SurfaceOctree::refine(std::vector<Index> cells, const SurfaceOctreeOptions& options) {
+  while (!cells.empty()) {
+    if (octree_.size() + 8 * cells.size() > options.max_cells) return false;
+    std::vector<Opened> opened(cells.size());
+    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+      if (!cancelled(options.progress)) opened[i] = look_into(cells[i], options);
+    });
+    if (cancelled(options.progress)) return false;
+    std::vector<Index> next;
+    for (std::size_t i = 0; i < cells.size(); ++i) take(cells[i], opened[i], next);
+    cells = std::move(next);
+  }
+  return true;
+}
+
+/// Leaves that may hold surface while all leaves around are on their side.
+std::vector<SurfaceOctree::Index> SurfaceOctree::unseen(const SurfaceOctreeOptions& options) const {
+  std::vector<bool> seen(octree_.size(), false);
+  for (const DualCell& cell : mixed_dual_cells(octree_)) {
+    for (const Index leaf : cell) seen[leaf] = true;
+  }
+  std::vector<Index> found;
+  for (Index i = 0; i < octree_.size(); ++i) {
+    const bool small = octree_.side(octree_[i].level) < 2 * options.smallest;
+    if (octree_.is_leaf(i) && kinds_[i] != LeafKind::empty && !seen[i] && !small) {
+      found.push_back(i);
+    }
+  }
+  return found;
+}
+
+Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
+                                           const SurfaceOctreeOptions& options) {
+  require(options.tolerance > 0 && options.smallest > 0, "SurfaceOctree: lengths must be positive");
+  const Aabb box = surface.bounds();
+  require(!box.empty() && box.finite(), "SurfaceOctree: the surface must have finite bounds");
+  SurfaceOctree tree(root_around(box, options.smallest));
+  tree.surfaces_.emplace_back(std::shared_ptr<const ImplicitSurface>(), &surface);
+  tree.surface_boxes_.push_back(tree.octree_.box(0));
+  tree.surface_of_.push_back(0);
+  tree.kinds_.push_back(LeafKind::open);
+  tree.jets_.push_back(surface.jet(tree.octree_.center(0)));
+
+  for (std::vector<Index> open{0}; !open.empty(); open = tree.unseen(options)) {
+    if (!tree.refine(open, options)) {
+      if (cancelled(options.progress)) return error_at({}, "interrupted", Failure::interrupted);
+      return error_at({},
+                      "the mesh needs more than " + std::to_string(options.max_cells) +
+                          " cells; use a larger tolerance",
+                      Failure::limit);
+    }
+    tree.octree_.settle_sides();
+  }
+  return tree;
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,81 @@
+// An octree that follows a surface: its leaves are free of the surface, or small enough for the
+// tolerance where they hold it and simple there.
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <vector>
+
+#include "libfield/base/progress.h"
+#include "libfield/base/result.h"
+#include "libfield/field/implicit_surface.h"
+#include "polygonize/octree.h"
+
+namespace cs2mesh {
+
+struct SurfaceOctreeOptions {
+  double tolerance = 0.0;  ///< of the mesh to come; scene units, > 0
+  /// Cells are not cut below this side, times two; scene units, > 0.
+  double smallest = 0.0;
+  std::size_t max_cells = 200'000'000;
+  Progress* progress = nullptr;
+};
+
+/// What the surface may be in a leaf.
+enum class LeafKind : std::uint8_t {
+  empty,   ///< proven: F has no zero in it
+  simple,  ///< proven: F grows all along one direction in it, so the surface is one sheet, a graph
+  open,    ///< neither could be shown at the smallest side
+};
+
+/// An octree over the bounds of a surface, each leaf on the side of F at its centre.
+class SurfaceOctree {
+ public:
+  using Index = Octree::Index;
+
+  struct Counts {
+    std::size_t values = 0, gradients = 0;  ///< evaluations; a jet is one of each
+    std::size_t enclosures = 0, slopes = 0;
+  };
+
+  /// `surface` has finite bounds that are not empty (else ContractViolation) and outlives this.
+  /// Errors: Failure::limit, Failure::interrupted. The same octree for any number of threads.
+  ///
+  /// A cell is cut unless it is empty, or simple and no larger than triangles may be that stay
+  /// within the tolerance where the normals turn as they do between it and its siblings. Simple
+  /// cells between which the mesh of the dual grid would pass no surface are cut too, so that what
+  /// is thinner than a cell is not lost. Not promised: that the curvature is the largest in the
+  /// cell.
+  static Result<SurfaceOctree> build(const ImplicitSurface& surface,
+                                     const SurfaceOctreeOptions& options);
+
+  const Octree& octree() const { return octree_; }
+  const Counts& counts() const { return counts_; }
+  LeafKind kind(Index leaf) const { return kinds_[leaf]; }
+  /// F at the centre of a leaf that is not empty.
+  const Jet& jet(Index leaf) const { return jets_[leaf]; }
+  /// F restricted to a box that holds the leaf with a margin of half its side all around.
+  const ImplicitSurface& surface_at(Index leaf) const { return *surfaces_[surface_of_[leaf]]; }
+  const Aabb& surface_box(Index leaf) const { return surface_boxes_[surface_of_[leaf]]; }
+  std::uint32_t surface_number(Index leaf) const { return surface_of_[leaf]; }
+
+ private:
+  struct Child;
+  struct Opened;
+  explicit SurfaceOctree(Octree octree) : octree_(std::move(octree)) {}
+  Opened look_into(Index cell, const SurfaceOctreeOptions& options) const;
+  void judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const;
+  bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
+  void take(Index cell, const Opened& opened, std::vector<Index>& open);
+  std::vector<Index> unseen(const SurfaceOctreeOptions& options) const;
+
+  Octree octree_;
+  Counts counts_;
+  std::vector<LeafKind> kinds_;
+  std::vector<Jet> jets_;
+  std::vector<std::uint32_t> surface_of_;
+  std::vector<std::shared_ptr<const ImplicitSurface>> surfaces_;
+  std::vector<Aabb> surface_boxes_;
+};
+
+}  // namespace cs2mesh
