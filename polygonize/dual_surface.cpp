@@ -7,16 +7,6 @@
 #include "polygonize/edge_set.h"
 
 namespace cs2mesh {
-namespace {
-
-unsigned inside_corners(const Octree& octree, const DualCell& cell) {
-  unsigned inside = 0;
-  for (std::size_t i = 0; i < 8; ++i) inside |= (octree[cell[i]].inside ? 1U : 0U) << i;
-  return inside;
-}
-
-}  // namespace
-
 template <class F>
 void DualSurface::for_each_polygon(const F& f) const {
   std::size_t first = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "libfield/base/check.h"
 
@@ -50,6 +51,12 @@ void Octree::settle_sides() {
   }
 }
 
+unsigned inside_corners(const Octree& octree, const DualCell& cell) {
+  unsigned inside = 0;
+  for (std::size_t i = 0; i < 8; ++i) inside |= (octree[cell[i]].inside ? 1U : 0U) << i;
+  return inside;
+}
+
 Int3 meeting_point(const Octree& octree, const DualCell& cell) {
   // Of the leaves on the low side some end there, and none before.
   constexpr std::int32_t kFar = std::int32_t{1} << Octree::kMostLevels;
@@ -67,14 +74,17 @@ Int3 meeting_point(const Octree& octree, const DualCell& cell) {
 namespace {
 
 /// The walk of Ju, Losasso, Schaefer and Warren ("Dual contouring of Hermite data", 2002, figure 3)
-/// down to the corners of leaves.
+/// down to the corners of leaves. Skips groups of cells between which no corner is wanted, as
+/// skip(cells) tells.
+template <class Skip>
 class DualWalk {
  public:
   using Index = Octree::Index;
-  DualWalk(const Octree& octree, std::vector<DualCell>& found) : octree_(octree), found_(found) {}
+  DualWalk(const Octree& octree, const Skip& skip, std::vector<DualCell>& found)
+      : octree_(octree), skip_(skip), found_(found) {}
 
   void inside(Index cell) {
-    if (octree_.is_leaf(cell) || octree_[cell].uniform) return;
+    if (octree_.is_leaf(cell) || skip_(std::span(&cell, 1))) return;
     DualCell children;
     for (int i = 0; i < 8; ++i) {
       children[static_cast<std::size_t>(i)] = octree_.child(cell, i);
@@ -124,7 +134,7 @@ class DualWalk {
   /// Two cells that share a face; `high` follows `low` along the axis.
   void across_face(const Axes& a, Index low, Index high) {
     const std::array<Index, 2> both{low, high};
-    if (all_leaves(both) || settled(both)) return;
+    if (all_leaves(both) || skip_(std::span<const Index>(both))) return;
     DualCell around;  // by corner, as seen from the middle of the face
     for (unsigned uv = 0; uv < 4; ++uv) {
       around[a.bits(0, uv)] = child(low, a.bits(1, uv));
@@ -143,7 +153,7 @@ class DualWalk {
 
   /// Four cells that share an edge along the axis.
   void around_edge(const Axes& a, const Four& cells) {
-    if (all_leaves(cells) || settled(cells)) return;
+    if (all_leaves(cells) || skip_(std::span<const Index>(cells))) return;
     DualCell around;
     for (unsigned s = 0; s < 2; ++s) {
       Four half;
@@ -155,7 +165,7 @@ class DualWalk {
   }
 
   void at_corner(DualCell cells) {
-    while (!settled(cells)) {
+    while (!skip_(std::span<const Index>(cells))) {
       if (all_leaves(cells)) {
         found_.push_back(cells);
         return;
@@ -165,15 +175,32 @@ class DualWalk {
   }
 
   const Octree& octree_;
+  const Skip& skip_;
   std::vector<DualCell>& found_;
 };
+
+template <class Skip>
+std::vector<DualCell> walk(const Octree& octree, const Skip& skip) {
+  std::vector<DualCell> found;
+  DualWalk(octree, skip, found).inside(0);
+  return found;
+}
 
 }  // namespace
 
 std::vector<DualCell> mixed_dual_cells(const Octree& octree) {
-  std::vector<DualCell> found;
-  DualWalk(octree, found).inside(0);
-  return found;
+  return walk(octree, [&](std::span<const Octree::Index> cells) {
+    const bool side = octree[cells[0]].inside;
+    return std::all_of(cells.begin(), cells.end(), [&](Octree::Index c) {
+      return octree[c].uniform && octree[c].inside == side;
+    });
+  });
+}
+
+std::vector<DualCell> dual_cells_around(const Octree& octree, const std::vector<bool>& marked) {
+  return walk(octree, [&](std::span<const Octree::Index> cells) {
+    return std::none_of(cells.begin(), cells.end(), [&](Octree::Index c) { return marked[c]; });
+  });
 }
 
 }  // namespace cs2mesh

@@ -60,6 +60,9 @@ class Octree {
 /// edge the corner lies stands in two or four places.
 using DualCell = std::array<Octree::Index, 8>;
 
+/// Bit i tells whether leaf i is inside.
+unsigned inside_corners(const Octree& octree, const DualCell& cell);
+
 /// The point that the leaves of a dual cell meet in, in the octree's smallest units.
 Int3 meeting_point(const Octree& octree, const DualCell& cell);
 
@@ -68,5 +71,9 @@ Int3 meeting_point(const Octree& octree, const DualCell& cell);
 /// face of a dual cell is a face of its neighbour (Schaefer and Warren, "Dual marching cubes:
 /// primal contouring of dual grids", 2004).
 std::vector<DualCell> mixed_dual_cells(const Octree& octree);
+
+/// Every corner of leaves within the root around which one of the marked cells lies, once each;
+/// `marked` holds for each cell whether a leaf in it is marked.
+std::vector<DualCell> dual_cells_around(const Octree& octree, const std::vector<bool>& marked);
 
 }  // namespace cs2mesh

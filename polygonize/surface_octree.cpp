@@ -8,6 +8,7 @@
 #include <span>
 
 #include "libfield/base/check.h"
+#include "polygonize/cell_table.h"
 
 namespace cs2mesh {
 namespace {
@@ -186,20 +187,99 @@ bool SurfaceOctree::refine(std::vector<Index> cells, const SurfaceOctreeOptions&
   return true;
 }
 
-/// Leaves that may hold surface while all leaves around are on their side.
-std::vector<SurfaceOctree::Index> SurfaceOctree::unseen(const SurfaceOctreeOptions& options) const {
-  std::vector<bool> seen(octree_.size(), false);
-  for (const DualCell& cell : mixed_dual_cells(octree_)) {
-    for (const Index leaf : cell) seen[leaf] = true;
-  }
-  std::vector<Index> found;
-  for (Index i = 0; i < octree_.size(); ++i) {
-    const bool small = octree_.side(octree_[i].level) < 2 * options.smallest;
-    if (octree_.is_leaf(i) && kinds_[i] != LeafKind::empty && !seen[i] && !small) {
-      found.push_back(i);
-    }
+namespace {
+
+/// The numbers that are chosen.
+std::vector<Octree::Index> numbers_of(const std::vector<bool>& chosen) {
+  std::vector<Octree::Index> found;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    if (chosen[i]) found.push_back(static_cast<Octree::Index>(i));
   }
   return found;
+}
+
+}  // namespace
+
+/// Chooses the largest leaves of a dual cell, of those that may hold surface, if they may be cut.
+void SurfaceOctree::choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
+                                   std::vector<bool>& chosen) const {
+  int level = Octree::kMostLevels;
+  for (const Index leaf : cell) {
+    if (kinds_[leaf] != LeafKind::empty) level = std::min<int>(level, octree_[leaf].level);
+  }
+  if (octree_.side(level) < 2 * options.smallest) return;
+  for (const Index leaf : cell) {
+    if (kinds_[leaf] != LeafKind::empty && octree_[leaf].level == level) chosen[leaf] = true;
+  }
+}
+
+/// The largest leaves of dual cells that the surface seems to cut in several pieces, and leaves
+/// that may hold surface while all leaves around are on their side.
+std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(
+    const SurfaceOctreeOptions& options) const {
+  std::vector<bool> seen(octree_.size(), false), chosen(octree_.size(), false);
+  for (const DualCell& cell : mixed_dual_cells(octree_)) {
+    for (const Index leaf : cell) seen[leaf] = true;
+    const CellCase& cut = cube_table().cases[inside_corners(octree_, cell)];
+    if (cut.ambiguous || cut.cycle_count > 1) choose_largest(cell, options, chosen);
+  }
+  for (Index i = 0; i < octree_.size(); ++i) {
+    const bool small = octree_.side(octree_[i].level) < 2 * options.smallest;
+    if (octree_.is_leaf(i) && kinds_[i] != LeafKind::empty && !seen[i] && !small) chosen[i] = true;
+  }
+  return numbers_of(chosen);
+}
+
+/// Whether the surface in a dual cell is a graph or nothing, as far as can be proven: in the box of
+/// what of it lies in leaves that may hold surface.
+bool SurfaceOctree::is_simple(const DualCell& cell) const {
+  Aabb box;
+  Vec3d direction{};
+  Index largest = 0;
+  for (const Index leaf : cell) {
+    if (kinds_[leaf] == LeafKind::empty) continue;
+    box.include(octree_.center(leaf));
+    direction += normalized(jets_[leaf].gradient);
+    if (largest == 0 || octree_[leaf].level < octree_[largest].level) largest = leaf;
+  }
+  box.include(octree_.point(meeting_point(octree_, cell)));
+  const ImplicitSurface& surface =
+      surface_box(largest).contains(box) ? surface_at(largest) : *surfaces_.front();
+  if (surface.least_slope(box, direction) > 0) return true;
+  Interval range;
+  surface.enclose_each({&box, 1}, {&range, 1});
+  return !may_hold_zero(range);
+}
+
+/// The largest leaves of dual cells that are not simple, of those around leaves from `first_new` on
+/// that may hold surface.
+std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
+                                                         const SurfaceOctreeOptions& options) {
+  std::vector<bool> marked(octree_.size(), false);
+  for (std::size_t i = octree_.size(); i-- > 0;) {
+    const auto cell = static_cast<Index>(i);
+    if (octree_.is_leaf(cell)) {
+      marked[i] = i >= first_new && kinds_[i] != LeafKind::empty;
+    } else {
+      for (int c = 0; c < 8; ++c) marked[i] = marked[i] || marked[octree_.child(cell, c)];
+    }
+  }
+  const std::vector<DualCell> cells = dual_cells_around(octree_, marked);
+  std::vector<char> simple(cells.size(), 1);
+  constexpr std::size_t kChunk = 256;
+  tbb::parallel_for(std::size_t{0}, (cells.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    const std::size_t last = std::min(kChunk * (chunk + 1), cells.size());
+    for (std::size_t i = kChunk * chunk; i < last && !cancelled(options.progress); ++i) {
+      simple[i] = is_simple(cells[i]) ? 1 : 0;
+    }
+  });
+  counts_.slopes += cells.size();
+  std::vector<bool> chosen(octree_.size(), false);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (simple[i] != 0) continue;
+    choose_largest(cells[i], options, chosen);
+  }
+  return numbers_of(chosen);
 }
 
 Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
@@ -214,7 +294,9 @@ Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
   tree.kinds_.push_back(LeafKind::open);
   tree.jets_.push_back(surface.jet(tree.octree_.center(0)));
 
-  for (std::vector<Index> open{0}; !open.empty(); open = tree.unseen(options)) {
+  std::vector<Index> open{0};
+  while (!open.empty()) {
+    const std::size_t first_new = tree.octree_.size();
     if (!tree.refine(open, options)) {
       if (cancelled(options.progress)) return error_at({}, "interrupted", Failure::interrupted);
       return error_at({},
@@ -222,7 +304,11 @@ Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
                           " cells; use a larger tolerance",
                       Failure::limit);
     }
-    tree.octree_.settle_sides();
+    open = tree.crowded(first_new, options);
+    if (open.empty()) {
+      tree.octree_.settle_sides();
+      open = tree.unclear(options);
+    }
   }
   return tree;
 }

@@ -42,10 +42,11 @@ class SurfaceOctree {
   /// Errors: Failure::limit, Failure::interrupted. The same octree for any number of threads.
   ///
   /// A cell is cut unless it is empty, or simple and no larger than triangles may be that stay
-  /// within the tolerance where the normals turn as they do between it and its siblings. Simple
-  /// cells between which the mesh of the dual grid would pass no surface are cut too, so that what
-  /// is thinner than a cell is not lost. Not promised: that the curvature is the largest in the
-  /// cell.
+  /// within the tolerance where the normals turn as they do between it and its siblings. Then cells
+  /// are cut between whose centres, that is in dual cells, the surface is not simple or the mesh of
+  /// the dual grid would have several pieces, and those around which it would have none; so that
+  /// neither pieces nor gaps thinner than a cell are lost. Not promised: that the curvature is the
+  /// largest in the cell.
   static Result<SurfaceOctree> build(const ImplicitSurface& surface,
                                      const SurfaceOctreeOptions& options);
 
@@ -67,7 +68,11 @@ class SurfaceOctree {
   void judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const;
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
   void take(Index cell, const Opened& opened, std::vector<Index>& open);
-  std::vector<Index> unseen(const SurfaceOctreeOptions& options) const;
+  std::vector<Index> unclear(const SurfaceOctreeOptions& options) const;
+  void choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
+                      std::vector<bool>& chosen) const;
+  std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
+  bool is_simple(const DualCell& cell) const;
 
   Octree octree_;
   Counts counts_;

@@ -9,6 +9,7 @@
 #include <tuple>
 
 #include "libfield/field/far_field.h"
+#include "libfield/field/log_sum.h"
 #include "libfield/field/slope_program.h"
 #include "libfield/field/term_bounds.h"
 #include "libfield/integral/bulk.h"
@@ -70,7 +71,8 @@ struct FieldData {
   std::array<std::uint32_t, kAllKernels.size() + 1> point_begin{};
   double error_budget = 0.0;
   Aabb bounds;
-  BoxTree reach;  ///< where each plain term's influence exceeds its share of the budget
+  bool in_exponents = false;  ///< all terms have has_log_bounds()
+  BoxTree reach;              ///< where each plain term's influence exceeds its share of the budget
   BlockLattice lattice;
 };
 
@@ -235,6 +237,7 @@ Field::Field(std::vector<Term> terms, double error_budget) {
     data->lattice.edge = data->bounds.diagonal() / blocks_along_diagonal(data->plain_count);
     data->lattice.domain = data->bounds.grown(data->lattice.edge);
   }
+  data->in_exponents = std::all_of(data->terms.begin(), data->terms.end(), has_log_bounds);
   collect_far_fields(*data);
   data_ = std::move(data);
 }
@@ -387,6 +390,7 @@ Interval Field::enclose_in_parts(const Aabb& box, const Enclosure& whole) const 
 void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const {
   require(boxes.size() == out.size(), "one interval a box");
   std::vector<BatchBox> batch(boxes.begin(), boxes.end());
+  if (data_->in_exponents) return enclose_in_exponents(batch, out);
   std::vector<Enclosure> enclosures(boxes.size());
   enclose_batch(batch, TaylorOrder::first, enclosures);
   std::vector<BatchBox> open;
@@ -402,6 +406,20 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   enclose_batch(open, TaylorOrder::second, enclosures);
   for (std::size_t k = 0; k < open.size(); ++k) {
     out[place[k]] = intersection(out[place[k]], enclosures[k].range);
+  }
+}
+
+void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const {
+  const BoxBatch batch(boxes, TaylorOrder::first);
+  require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
+  std::vector<std::uint32_t> list;
+  near_terms(batch.hull, list);
+  const std::vector<LogSum> sums = LogSum::at_centers(data_->terms, list, boxes);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Interval log_range = sums[i].range(boxes[i]);
+    const Interval range(std::exp(log_range.lo) * (1 - 1e-13),
+                         std::exp(log_range.hi) * (1 + 1e-13));
+    out[i] = widened(range - Interval(kThreshold), data_->error_budget);
   }
 }
 
@@ -442,6 +460,9 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   std::vector<std::uint32_t> list;
   near_terms(box, list);
   const BatchBox one(box);
+  if (data_->in_exponents) {
+    return LogSum::at_centers(data_->terms, list, {&one, 1})[0].least_slope(one, direction);
+  }
   SlopeProgram program;
   for (const std::uint32_t i : list) program.add(data_->terms[i], one, direction);
   for (const FarField& far : data_->far) {

@@ -63,6 +63,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   void evaluate(std::span<const Vec3d> points, std::span<Out> out) const;
   void enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
                      std::span<Enclosure> out) const;
+  void enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const;
   Interval enclose_in_parts(const Aabb& box, const Enclosure& whole) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
 
