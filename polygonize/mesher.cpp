@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 
+#include "polygonize/adaptive_mesher.h"
 #include "polygonize/tolerance.h"
 
 namespace cs2mesh {
@@ -26,7 +27,13 @@ Result<MesherResult> mesh_on_lattice(const ImplicitSurface& surface, const Meshe
   return {std::move(result), made.diagnostics()};
 }
 
-constexpr std::array<Mesher, 1> kMeshers{{
+Result<MesherResult> mesh_by_octree(const ImplicitSurface& surface, const MesherRequest& request) {
+  return mesh_adaptive(surface, request);
+}
+
+constexpr std::array<Mesher, 2> kMeshers{{
+    {"adaptive", "cells that follow the surface, as few triangles as the tolerance allows",
+     mesh_by_octree},
     {"lattice", "cells of one size, refined where the mesh is too far; measured both ways",
      mesh_on_lattice},
 }};

@@ -11,6 +11,7 @@
 #include "libfield/base/check.h"
 #include "polygonize/editable_mesh.h"
 #include "polygonize/sagitta.h"
+#include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
 namespace {
@@ -38,7 +39,8 @@ class Remesher {
   }
 
   TriangleMesh run() {
-    project(3);
+    project(2);
+    unfold();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
       find_lengths();
       for (const double share : {0.35, 0.55, 0.75}) collapse_short(share);
@@ -49,6 +51,7 @@ class Remesher {
     find_lengths();
     collapse_short(0.8);
     flip_edges();
+    unfold();
     return mesh_.take();
   }
 
@@ -108,7 +111,7 @@ class Remesher {
         const double slope = squared_norm(g);
         if (!(slope > 0)) continue;
         normals_[order_[i]] = -1.0 / std::sqrt(slope) * g;
-        points[i] -= bounded(jets[i].value / slope * g, order_[i]);
+        points[i] -= bounded(leveled(jets[i].value) / slope * g, order_[i]);
       }
     }
     for (std::size_t i = 0; i < order_.size(); ++i) mesh_.move_vertex(order_[i], points[i]);
@@ -129,9 +132,15 @@ class Remesher {
   double deviation_of(Index a, Index b, Index c) const {
     return deviation(sagitta_of(a, b), sagitta_of(b, c), sagitta_of(c, a));
   }
-  double deviation_of(std::size_t triangle) const {
-    const auto& t = mesh_.mesh().triangles[triangle];
-    return deviation_of(t[0], t[1], t[2]);
+  /// How far triangles at a vertex may be from the surface: where cells are small, other sheets may
+  /// be near.
+  double allowed(Index v) const {
+    constexpr double kCellShare = 0.5;
+    const double side = tree_.octree().side(tree_.octree()[leaf_of_[v]].level);
+    return std::min(kAim * options_.tolerance, kCellShare * side);
+  }
+  bool is_near(Index a, Index b, Index c) const {
+    return deviation_of(a, b, c) <= std::min({allowed(a), allowed(b), allowed(c)});
   }
 
   /// The squared length of edges that suits the curvature at each vertex, graded.
@@ -174,8 +183,7 @@ class Remesher {
       const Index c = end(turn), d = end(next_in_triangle(turn));
       worst_now = std::min(worst_now, quality(position(a), position(c), position(d)));
       if (turn == h || triangle_of(turn) == triangle_of(back)) return;
-      fits = faces_outward(b, c, d) && deviation_of(b, c, d) <= kAim * options_.tolerance &&
-             near_vertex(a, b, c, d);
+      fits = faces_outward(b, c, d) && is_near(b, c, d) && near_vertex(a, b, c, d);
       worst = std::min(worst, quality(position(b), position(c), position(d)));
     });
     return fits && (worst > kShape || worst > worst_now) && mesh_.can_collapse(h);
@@ -185,7 +193,7 @@ class Remesher {
   bool near_vertex(Index v, Index a, Index b, Index c) const {
     const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
     const double height = dot(area, position(v) - position(a));
-    return std::abs(height) <= options_.tolerance * norm(area);
+    return std::abs(height) <= allowed(v) * norm(area);
   }
 
   bool faces_outward(Index a, Index b, Index c) const {
@@ -230,6 +238,72 @@ class Remesher {
     return dot(u, v) / std::max(norm(cross(u, v)), std::numeric_limits<double>::min());
   }
 
+  // ---- Folds ----
+
+  /// Gets rid of triangles that face the wrong way, by collapsing or flipping one of their edges
+  /// where that leaves fewer of them around.
+  void unfold() {
+    constexpr int kMostSweeps = 6;
+    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+      std::size_t mended = 0;
+      for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) {
+        if (mesh_.alive(t) && folded(t) && mend(t)) ++mended;
+      }
+      if (mended == 0) break;
+    }
+  }
+
+  bool folded(std::size_t triangle) const {
+    const auto& t = mesh_.mesh().triangles[triangle];
+    return !faces_outward(t[0], t[1], t[2]);
+  }
+
+  bool mend(std::size_t triangle) {
+    HalfEdge best = 0;
+    int most = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto h = static_cast<HalfEdge>(3 * triangle + k);
+      for (const HalfEdge way : {h, mesh_.opposite(h)}) {
+        const int gain = folds_unmade(way);
+        if (gain > most && mesh_.can_collapse(way)) {
+          most = gain;
+          best = way;
+        }
+      }
+    }
+    if (most > 0) {
+      mesh_.collapse_edge(best);
+      ++statistics.collapses;
+      return true;
+    }
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto h = static_cast<HalfEdge>(3 * triangle + k);
+      const HalfEdge back = mesh_.opposite(h);
+      const Index a = start(h), b = end(h);
+      const Index c = end(next_in_triangle(h)), d = end(next_in_triangle(back));
+      if (c != d && faces_outward(d, c, a) && faces_outward(c, d, b) && mesh_.can_flip(h)) {
+        mesh_.flip_edge(h);
+        ++statistics.flips;
+        return true;
+      }
+    }
+    return false;
+  }
+
+  /// How many folded triangles a collapse would leave fewer.
+  int folds_unmade(HalfEdge h) const {
+    const Index b = end(h);
+    const HalfEdge back = mesh_.opposite(h);
+    int before = 0, after = 0;
+    mesh_.for_ring(h, [&](HalfEdge turn) {
+      const Index c = end(turn), d = end(next_in_triangle(turn));
+      if (folded(triangle_of(turn))) ++before;
+      if (turn == h || triangle_of(turn) == triangle_of(back)) return;
+      if (!faces_outward(b, c, d)) ++after;
+    });
+    return before - after;
+  }
+
   // ---- Moving ----
 
   /// Moves every vertex towards the middle of its triangles, along the surface, where no triangle
@@ -269,7 +343,7 @@ class Remesher {
       const Vec3d& g = jets[i].gradient;
       const double slope = squared_norm(g);
       if (!(slope > 0)) continue;
-      mesh_.move_vertex(v, points[i] - bounded(jets[i].value / slope * g, v));
+      mesh_.move_vertex(v, points[i] - bounded(leveled(jets[i].value) / slope * g, v));
       normals_[v] = -1.0 / std::sqrt(slope) * g;
     }
     take_back(vertices, old_points, old_normals);

@@ -1,6 +1,7 @@
 // Where a triangle with its corners on a surface is likely to be farthest from it.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -37,10 +38,19 @@ inline std::array<Vec3d, 7> closer_points(const TriangleMesh& mesh, std::size_t 
           0.5 * (center + a), 0.5 * (center + b), 0.5 * (center + c)};
 }
 
-/// |F| / |grad F|, or `otherwise` where the gradient does not tell.
+/// What F - T is to the first order in log F, F being `value` + T with T = 1: fields are as steep
+/// as exponentials, so that is nearer to linear, and inside them F - T alone would hide how deep.
+/// Below F = 0 the value itself.
+inline double leveled(double value) {
+  return value > -1 ? (1 + value) * std::log1p(value) : value;
+}
+
+/// The distance to the surface as |F| and |grad F| tell it, or `otherwise` where the gradient does
+/// not; of the linear and the logarithmic estimate the greater.
 inline double first_order_distance(const Jet& jet, double otherwise) {
   if (jet.value == 0) return 0.0;
-  const double distance = std::abs(jet.value) / norm(jet.gradient);
+  const double rise = std::max(std::abs(jet.value), std::abs(leveled(jet.value)));
+  const double distance = rise / norm(jet.gradient);
   return distance <= otherwise ? distance : otherwise;
 }
 
