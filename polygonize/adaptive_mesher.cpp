@@ -5,10 +5,10 @@
 #include <sstream>
 
 #include "libfield/base/check.h"
+#include "polygonize/mend_crossings.h"
 #include "polygonize/octree_mesh.h"
 #include "polygonize/refine.h"
 #include "polygonize/remesh.h"
-#include "polygonize/self_intersection.h"
 #include "polygonize/tolerance.h"
 
 namespace cs2mesh {
@@ -106,18 +106,15 @@ class Adaptive {
     refinement.tolerance = kRefined * request_.tolerance;
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
-    if (!result.mesh.empty()) result.mesh = refine(surface_, std::move(result.mesh), refinement);
-    log_.jets += result.mesh.triangles.size();
-    const auto crossings = find_self_intersections(result.mesh, 40);
-    if (crossings) fprintf(stderr,"crossings %zu of %zu\n",crossings->count,result.mesh.triangles.size());
-    if (crossings) for (auto& pr : crossings->pairs) { auto A = area_vector(result.mesh, pr[0]), B = area_vector(result.mesh, pr[1]); auto& T = result.mesh.triangles[pr[0]]; auto& U = result.mesh.triangles[pr[1]]; int sh = 0; for (auto v : T) for (auto w : U) sh += v == w; double l = 0; for (int k = 0; k < 3; ++k) l = std::max(l, norm(result.mesh.positions[T[k]] - result.mesh.positions[T[(k + 1) % 3]])); double al=norm(A); Jet j = surface_.jet(result.mesh.positions[T[0]]); fprintf(stderr, "  dot %.3f shared %d longest %.4g area/len^2 %.4f  normal dot %.3f\n", dot(A, B) / norm(A) / norm(B), sh, l, al / l / l, -dot(j.gradient,A)/norm(A)/norm(j.gradient)); }
-    if (crossings && !crossings->pairs.empty()) {
+    if (result.mesh.empty()) return result;
+    result.mesh = refine(surface_, std::move(result.mesh), refinement);
+    log_.jets += 2 * result.mesh.triangles.size();
+    if (!mend_crossings(surface_, result.mesh, request_.thinnest_radius)) {
       result.error = HUGE_VAL;
-    } else if (!result.mesh.empty()) {
-      const GradientEstimate estimate(0.4 * request_.tolerance);
-      result.error = estimate.largest_distance(surface_, result.mesh);
-      log_.jets += result.mesh.triangles.size();
+      return result;
     }
+    const GradientEstimate estimate(0.4 * request_.tolerance);
+    result.error = estimate.largest_distance(surface_, result.mesh);
     return result;
   }
 

@@ -117,13 +117,18 @@ class Refiner {
     constexpr double kDoubt = 0.4;
     std::vector<Vec3d> points;
     for (const std::size_t t : triangles) points.push_back(sample_point(mesh_, t));
-    const std::vector<double> at_sample = distances(points);
+    std::vector<Jet> jets;
+    evaluate(points, jets);
     std::vector<std::optional<LostPoint>> found(triangles.size());
     std::vector<Vec3d> closer;
     std::vector<std::size_t> doubtful;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      found[i] = far_point(triangles[i], points[i], at_sample[i]);
-      if (found[i] || !(at_sample[i] > kDoubt * options_.tolerance)) continue;
+      const double distance = first_order_distance(jets[i], kInfinity);
+      found[i] = far_point(triangles[i], points[i], distance);
+      if (found[i] ||
+          !asks_closer_look(mesh_, triangles[i], jets[i], distance, kDoubt * options_.tolerance)) {
+        continue;
+      }
       const auto more = closer_points(mesh_, triangles[i]);
       closer.insert(closer.end(), more.begin(), more.end());
       doubtful.insert(doubtful.end(), more.size(), i);

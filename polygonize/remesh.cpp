@@ -34,7 +34,8 @@ class Remesher {
         options_(options),
         leaf_of_(leaf_of),
         mesh_(std::move(mesh)),
-        normals_(leaf_of.size()) {
+        normals_(leaf_of.size()),
+        used_(leaf_of.size(), true) {
     sort_by_place();
   }
 
@@ -51,13 +52,30 @@ class Remesher {
     find_lengths();
     collapse_short(0.8);
     flip_edges();
-    unfold();
+    settle();
     return mesh_.take();
   }
 
   RemeshStatistics statistics;
 
  private:
+  /// The vertices that are left, all the way to the surface.
+  void settle() {
+    constexpr int kMostSteps = 12;
+    find_used();
+    project(kMostSteps);
+    unfold();
+  }
+
+  /// Which vertices are those of a triangle.
+  void find_used() {
+    used_.assign(normals_.size(), false);
+    for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) {
+      if (!mesh_.alive(t)) continue;
+      for (const Index v : mesh_.mesh().triangles[t]) used_[v] = true;
+    }
+  }
+
   const Vec3d& position(Index v) const { return mesh_.mesh().positions[v]; }
   Index start(HalfEdge h) const { return start_of(mesh_.mesh(), h); }
   Index end(HalfEdge h) const { return end_of(mesh_.mesh(), h); }
@@ -99,27 +117,47 @@ class Remesher {
     });
   }
 
-  /// Brings vertices to the surface along the gradient and takes its direction there.
+  /// Brings vertices to the surface along the gradient and takes its direction there, in at most so
+  /// many steps.
   void project(int steps) {
-    std::vector<Vec3d> points(order_.size());
-    std::vector<Jet> jets(order_.size());
-    for (std::size_t i = 0; i < order_.size(); ++i) points[i] = position(order_[i]);
-    for (int step = 0; step < steps; ++step) {
-      evaluate(order_, points, jets);
-      for (std::size_t i = 0; i < order_.size(); ++i) {
-        const Vec3d& g = jets[i].gradient;
-        const double slope = squared_norm(g);
-        if (!(slope > 0)) continue;
-        normals_[order_[i]] = -1.0 / std::sqrt(slope) * g;
-        points[i] -= bounded(leveled(jets[i].value) / slope * g, order_[i]);
-      }
+    constexpr double kThere = 1e-7;  // of the cell; the last step squares that
+    std::vector<Index> open;
+    for (const Index v : order_) {
+      if (used_[v]) open.push_back(v);
     }
-    for (std::size_t i = 0; i < order_.size(); ++i) mesh_.move_vertex(order_[i], points[i]);
+    std::vector<Vec3d> points;
+    std::vector<Jet> jets;
+    for (int step = 0; step < steps && !open.empty(); ++step) {
+      points.clear();
+      for (const Index v : open) points.push_back(position(v));
+      jets.resize(open.size());
+      evaluate(open, points, jets);
+      std::size_t kept = 0;
+      for (std::size_t i = 0; i < open.size(); ++i) {
+        const Index v = open[i];
+        if (place(v, points[i], jets[i]) > kThere * side_at(v)) open[kept++] = v;
+      }
+      open.resize(kept);
+    }
   }
+
+  /// Puts a vertex where the jet at `point` says that the surface is; returns the length of the
+  /// way.
+  double place(Index v, const Vec3d& point, const Jet& jet) {
+    const Vec3d& g = jet.gradient;
+    const double slope = squared_norm(g);
+    if (!(slope > 0)) return 0.0;
+    normals_[v] = -1.0 / std::sqrt(slope) * g;
+    const Vec3d step = bounded(leveled(jet.value) / slope * g, v);
+    mesh_.move_vertex(v, point - step);
+    return norm(step);
+  }
+
+  double side_at(Index v) const { return tree_.octree().side(tree_.octree()[leaf_of_[v]].level); }
 
   /// A step no longer than a quarter of a cell.
   Vec3d bounded(const Vec3d& step, Index v) const {
-    const double most = 0.25 * tree_.octree().side(tree_.octree()[leaf_of_[v]].level);
+    const double most = 0.25 * side_at(v);
     const double length = norm(step);
     return length > most ? most / length * step : step;
   }
@@ -136,8 +174,7 @@ class Remesher {
   /// be near.
   double allowed(Index v) const {
     constexpr double kCellShare = 0.5;
-    const double side = tree_.octree().side(tree_.octree()[leaf_of_[v]].level);
-    return std::min(kAim * options_.tolerance, kCellShare * side);
+    return std::min(kAim * options_.tolerance, kCellShare * side_at(v));
   }
   bool is_near(Index a, Index b, Index c) const {
     return deviation_of(a, b, c) <= std::min({allowed(a), allowed(b), allowed(c)});
@@ -340,11 +377,7 @@ class Remesher {
     for (std::size_t i = 0; i < vertices.size(); ++i) {
       const Index v = vertices[i];
       old_points[i] = position(v), old_normals[i] = normals_[v];
-      const Vec3d& g = jets[i].gradient;
-      const double slope = squared_norm(g);
-      if (!(slope > 0)) continue;
-      mesh_.move_vertex(v, points[i] - bounded(leveled(jets[i].value) / slope * g, v));
-      normals_[v] = -1.0 / std::sqrt(slope) * g;
+      place(v, points[i], jets[i]);
     }
     take_back(vertices, old_points, old_normals);
   }
@@ -386,6 +419,7 @@ class Remesher {
   std::vector<Vec3d> normals_;
   std::vector<double> lengths_;
   std::vector<Index> order_;
+  std::vector<bool> used_;
 };
 
 }  // namespace

@@ -25,6 +25,7 @@ struct Sample {
   double distance = 0.0;
   std::size_t triangle = 0;
   Vec3d point;
+  Jet jet;
 };
 
 /// Appends samples at points of the mesh that are near each other, with first-order distances no
@@ -37,11 +38,11 @@ void append_samples(const ImplicitSurface& surface, std::span<const Vec3d> point
   if (!points.empty()) surface.restrict_to(box)->jets(points, jets);
   for (std::size_t i = 0; i < points.size(); ++i) {
     const double distance = first_order_distance(jets[i], box.diagonal());
-    samples.push_back({distance, triangles[i], points[i]});
+    samples.push_back({distance, triangles[i], points[i], jets[i]});
   }
 }
 
-/// One sample of each triangle in [first, last), and more of those that are farther than `closer`.
+/// One sample of each triangle in [first, last), and more of those that ask for it.
 std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                      std::size_t first, std::size_t last, double closer) {
   std::vector<Vec3d> points;
@@ -55,7 +56,7 @@ std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const Trian
   points.clear();
   triangles.clear();
   for (const Sample& sample : samples) {
-    if (!(sample.distance > closer)) continue;
+    if (!asks_closer_look(mesh, sample.triangle, sample.jet, sample.distance, closer)) continue;
     for (const Vec3d& p : closer_points(mesh, sample.triangle)) {
       points.push_back(p);
       triangles.push_back(sample.triangle);

@@ -54,4 +54,14 @@ inline double first_order_distance(const Jet& jet, double otherwise) {
   return distance <= otherwise ? distance : otherwise;
 }
 
+/// Whether the jet at the sample point of a triangle says too little: from the distance `closer`
+/// on, and where the surface there leans away from the triangle, so that it turns within it.
+inline bool asks_closer_look(const TriangleMesh& mesh, std::size_t triangle, const Jet& jet,
+                             double distance, double closer) {
+  constexpr double kLeaning = 0.9;  // cosine
+  if (distance > closer) return true;
+  const Vec3d area = area_vector(mesh, triangle);
+  return !(-dot(area, jet.gradient) > kLeaning * norm(area) * norm(jet.gradient));
+}
+
 }  // namespace cs2mesh

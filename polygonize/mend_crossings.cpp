@@ -1,0 +1,63 @@
+#include "polygonize/mend_crossings.h"
+
+#include <optional>
+#include <vector>
+
+#include "polygonize/self_intersection.h"
+#include "polygonize/surface_projection.h"
+
+namespace cs2mesh {
+namespace {
+
+using Index = TriangleMesh::Index;
+
+/// The vertices that share a triangle with a marked one, marked too.
+std::vector<bool> widened_by_ring(const TriangleMesh& mesh, const std::vector<bool>& marked) {
+  std::vector<bool> wider = marked;
+  for (const auto& t : mesh.triangles) {
+    if (!marked[t[0]] && !marked[t[1]] && !marked[t[2]]) continue;
+    for (const Index v : t) wider[v] = true;
+  }
+  return wider;
+}
+
+/// Each marked vertex to the mean of its neighbours, then to the surface.
+void smooth(const ImplicitSurface& surface, TriangleMesh& mesh, const std::vector<bool>& marked,
+            double reach) {
+  std::vector<Vec3d> sum(mesh.positions.size(), Vec3d{});
+  std::vector<double> count(mesh.positions.size(), 0.0);
+  for (const auto& t : mesh.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (!marked[t[k]]) continue;
+      sum[t[k]] += mesh.positions[t[(k + 1) % 3]] + mesh.positions[t[(k + 2) % 3]];
+      count[t[k]] += 2;
+    }
+  }
+  for (Index v = 0; v < marked.size(); ++v) {
+    if (!marked[v]) continue;
+    const Foot foot = find_foot(surface, sum[v] / count[v], reach);
+    mesh.positions[v] = foot.point;
+  }
+}
+
+}  // namespace
+
+bool mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
+  constexpr int kMostRounds = 6;
+  constexpr std::size_t kMostPairs = 10'000;
+  for (int round = 0;; ++round) {
+    const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
+    if (!found || found->pairs.empty()) return true;
+    if (round == kMostRounds || found->pairs.size() == kMostPairs) return false;
+    std::vector<bool> marked(mesh.positions.size(), false);
+    for (const auto& pair : found->pairs) {
+      for (const auto t : pair) {
+        for (const Index v : mesh.triangles[t]) marked[v] = true;
+      }
+    }
+    for (int ring = 0; ring < round / 2; ++ring) marked = widened_by_ring(mesh, marked);
+    smooth(surface, mesh, marked, reach);
+  }
+}
+
+}  // namespace cs2mesh
