@@ -107,14 +107,20 @@ class Adaptive {
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
     if (result.mesh.empty()) return result;
-    result.mesh = refine(surface_, std::move(result.mesh), refinement);
-    log_.jets += 2 * result.mesh.triangles.size();
-    if (!mend_crossings(surface_, result.mesh, request_.thinnest_radius)) {
+    constexpr int kMostPasses = 4;
+    Crossings crossings = Crossings::mended;
+    for (int pass = 0; pass < kMostPasses && crossings == Crossings::mended; ++pass) {
+      result.mesh = refine(surface_, std::move(result.mesh), refinement);
+      log_.jets += result.mesh.triangles.size();
+      crossings = mend_crossings(surface_, result.mesh, request_.thinnest_radius);
+    }
+    if (crossings == Crossings::left) {
       result.error = HUGE_VAL;
       return result;
     }
     const GradientEstimate estimate(0.4 * request_.tolerance);
     result.error = estimate.largest_distance(surface_, result.mesh);
+    log_.jets += result.mesh.triangles.size();
     return result;
   }
 

@@ -42,13 +42,13 @@ void smooth(const ImplicitSurface& surface, TriangleMesh& mesh, const std::vecto
 
 }  // namespace
 
-bool mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
+Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
   constexpr int kMostRounds = 6;
   constexpr std::size_t kMostPairs = 10'000;
   for (int round = 0;; ++round) {
     const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
-    if (!found || found->pairs.empty()) return true;
-    if (round == kMostRounds || found->pairs.size() == kMostPairs) return false;
+    if (!found || found->pairs.empty()) return round == 0 ? Crossings::none : Crossings::mended;
+    if (round == kMostRounds || found->pairs.size() == kMostPairs) return Crossings::left;
     std::vector<bool> marked(mesh.positions.size(), false);
     for (const auto& pair : found->pairs) {
       for (const auto t : pair) {

@@ -6,11 +6,16 @@
 
 namespace cs2mesh {
 
+enum class Crossings {
+  none,    ///< there were none; also without a look in a build that cannot tell
+  mended,  ///< there are none any more
+  left,
+};
+
 /// Moves the corners of triangles that cross others to the middle of their neighbours and back to
-/// the surface, a few times over, more of the neighbourhood each time. Returns whether no triangles
-/// cross any more; true without a look in a build that cannot tell. `reach` is how far from the
+/// the surface, a few times over, more of the neighbourhood each time. `reach` is how far from the
 /// surface vertices may come to be, scene units, > 0. Not promised: that triangles stay as near to
 /// the surface as they were.
-bool mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach);
+Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach);
 
 }  // namespace cs2mesh
