@@ -9,8 +9,8 @@
 #include <tuple>
 
 #include "libfield/field/far_field.h"
+#include "libfield/field/field_data.h"
 #include "libfield/field/log_sum.h"
-#include "libfield/field/slope_program.h"
 #include "libfield/field/term_bounds.h"
 #include "libfield/integral/bulk.h"
 
@@ -18,65 +18,15 @@ namespace cs2mesh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kThreshold = 1.0;
 /// Terms of a far field below this do not colour a point.
 constexpr double kLeastShare = 1e-4;
-constexpr std::size_t kManyTerms = 4096;
 /// A restriction looks through so few terms one by one; more are found in the tree of all.
 constexpr std::size_t kFewCandidates = 64;
-
-/// The block lattice spans the bounds of the surface; beyond it, every term counts.
-struct BlockLattice {
-  Aabb domain;
-  double edge = 1.0;
-
-  bool covers(const Vec3d& p) const { return domain.contains(p); }
-  /// ceil - 1: a point on a shared face belongs to the lower block.
-  long index(double x, double origin) const {
-    return static_cast<long>(std::ceil((x - origin) / edge)) - 1;
-  }
-  Aabb block(const Vec3d& p) const {
-    Aabb box;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      const auto i = static_cast<double>(index(p[axis], domain.min[axis]));
-      // A hair larger than the block, so that rounding of a face never loses a term.
-      box.min[axis] = domain.min[axis] + (i - 1e-9) * edge;
-      box.max[axis] = domain.min[axis] + (i + 1 + 1e-9) * edge;
-    }
-    return box;
-  }
-  /// The union of the blocks that meet `box`.
-  Aabb snapped(const Aabb& box) const {
-    Aabb all = block(domain.clamp(box.min));
-    all.include(block(domain.clamp(box.max)));
-    return all;
-  }
-};
 
 /// The number of blocks along the diagonal of the bounds: enough that a block holds few terms.
 double blocks_along_diagonal(std::size_t terms) {
   return std::clamp(8 * std::cbrt(static_cast<double>(terms)), 16.0, 512.0);
 }
-
-}  // namespace
-
-struct FieldData {
-  /// Those of far fields come last.
-  std::vector<Term> terms;
-  std::size_t plain_count = 0;  ///< of the others
-  std::vector<FarField> far;    ///< at most one an exponent
-  /// The first of the terms: points as they are, kernel by kernel.
-  std::vector<PointSource> points;
-  /// Where the points of each kernel begin, and where the last ones end.
-  std::array<std::uint32_t, kAllKernels.size() + 1> point_begin{};
-  double error_budget = 0.0;
-  Aabb bounds;
-  bool in_exponents = false;  ///< all terms have has_log_bounds()
-  BoxTree reach;              ///< where each plain term's influence exceeds its share of the budget
-  BlockLattice lattice;
-};
-
-namespace {
 
 bool is_plain_point(const Term& term) {
   return std::holds_alternative<Point>(term.primitive) && !term.to_local && term.profiles.empty();
@@ -161,6 +111,15 @@ void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
   }
 }
 
+}  // namespace
+
+void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
+               std::span<const Vec3d> points, std::span<Jet> sums) {
+  add_values_or_jets(data, list, points, sums);
+}
+
+namespace {
+
 Aabb surface_bounds(const FieldData& data) {
   // Outside the union of the boxes, each positive term stays under its share of T, and those of the
   // far fields together under theirs.
@@ -237,6 +196,8 @@ Field::Field(std::vector<Term> terms, double error_budget) {
     data->lattice.edge = data->bounds.diagonal() / blocks_along_diagonal(data->plain_count);
     data->lattice.domain = data->bounds.grown(data->lattice.edge);
   }
+  data->positive = std::all_of(data->terms.begin(), data->terms.end(),
+                               [](const Term& term) { return term.sign > 0; });
   data->in_exponents = std::all_of(data->terms.begin(), data->terms.end(), has_log_bounds);
   collect_far_fields(*data);
   data_ = std::move(data);
@@ -321,185 +282,11 @@ void Field::full_jets(std::span<const Vec3d> points, std::span<Jet> out) const {
   add_terms<Jet>(*data_, all, points, out);
 }
 
-/// What is known of F over a box.
-struct Field::Enclosure {
-  Interval range;
-  /// The part in half the width of Taylor's remainders and of terms that are known by their range
-  /// alone: what smaller boxes and polynomials of higher order may take away.
-  double remainder = 0.0;
-
-  bool loose(double width) const { return 2 * remainder > kSmallPart * width; }
-  bool very_loose(double width) const { return 2 * remainder > kLargePart * width; }
-
-  static constexpr double kSmallPart = 0.3, kLargePart = 0.5;
-  /// Whether the polynomial alone would tell the sign.
-  bool hangs_on_remainder() const {
-    return range.contains(0.0) && (range.lo + remainder > 0 || range.hi - remainder < 0);
-  }
-};
-
-Interval Field::enclose(const Aabb& box) const {
-  const BatchBox one(box);
-  Enclosure whole;
-  enclose_batch({&one, 1}, TaylorOrder::first, {&whole, 1});
-  if (!whole.loose(whole.range.width())) return whole.range;
-  Enclosure second;
-  enclose_batch({&one, 1}, TaylorOrder::second, {&second, 1});
-  whole = {intersection(whole.range, second.range), std::min(whole.remainder, second.remainder)};
-  return whole.very_loose(whole.range.width()) ? enclose_in_parts(box, whole) : whole.range;
-}
-
-/// Halves the box along every axis, then those of its parts that decide how far the range extends.
-Interval Field::enclose_in_parts(const Aabb& box, const Enclosure& whole) const {
-  constexpr int kMostRounds = 2;
-  Interval range = whole.range;
-  std::vector<std::pair<Aabb, Enclosure>> loose{{box, whole}};
-  std::optional<Interval> settled;
-  const auto settle = [&settled](const Interval& part) {
-    settled = settled ? hull(*settled, part) : part;
-  };
-  for (int round = 0; round < kMostRounds && !loose.empty(); ++round) {
-    std::vector<BatchBox> parts;
-    for (const auto& [parent, enclosure] : loose) {
-      for (int corner = 0; corner < 8; ++corner) {
-        const Vec3d center = parent.center(), end = parent.corner(corner);
-        parts.emplace_back(Aabb{min(center, end), max(center, end)});
-      }
-    }
-    std::vector<Enclosure> enclosures(parts.size());
-    enclose_batch(parts, TaylorOrder::second, enclosures);
-    std::optional<Interval> all = settled;
-    for (const Enclosure& part : enclosures) all = all ? hull(*all, part.range) : part.range;
-    range = intersection(range, *all);
-    loose.clear();
-    const double width = range.width();
-    for (std::size_t i = 0; i < parts.size(); ++i) {
-      const Enclosure& part = enclosures[i];
-      const bool decides =
-          part.range.lo < range.lo + 0.125 * width || part.range.hi > range.hi - 0.125 * width;
-      if (decides && part.very_loose(width)) {
-        loose.emplace_back(parts[i].box, part);
-      } else {
-        settle(part.range);
-      }
-    }
-  }
-  return range;
-}
-
-void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const {
-  require(boxes.size() == out.size(), "one interval a box");
-  std::vector<BatchBox> batch(boxes.begin(), boxes.end());
-  if (data_->in_exponents) return enclose_in_exponents(batch, out);
-  std::vector<Enclosure> enclosures(boxes.size());
-  enclose_batch(batch, TaylorOrder::first, enclosures);
-  std::vector<BatchBox> open;
-  std::vector<std::size_t> place;
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    out[i] = enclosures[i].range;
-    if (!enclosures[i].hangs_on_remainder()) continue;
-    open.push_back(batch[i]);
-    place.push_back(i);
-  }
-  if (open.empty()) return;
-  enclosures.assign(open.size(), {});
-  enclose_batch(open, TaylorOrder::second, enclosures);
-  for (std::size_t k = 0; k < open.size(); ++k) {
-    out[place[k]] = intersection(out[place[k]], enclosures[k].range);
-  }
-}
-
-void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const {
-  const BoxBatch batch(boxes, TaylorOrder::first);
-  require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
-  std::vector<std::uint32_t> list;
-  near_terms(batch.hull, list);
-  const std::vector<LogSum> sums = LogSum::at_centers(data_->terms, list, boxes);
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Interval log_range = sums[i].range(boxes[i]);
-    const Interval range(std::exp(log_range.lo) * (1 - 1e-13),
-                         std::exp(log_range.hi) * (1 + 1e-13));
-    out[i] = widened(range - Interval(kThreshold), data_->error_budget);
-  }
-}
-
-void Field::enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
-                          std::span<Enclosure> out) const {
-  const BoxBatch batch(boxes, order);
-  require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
-  std::vector<std::uint32_t> list;
-  near_terms(batch.hull, list);
-  // What far terms leave open together is small against T, the less where more is asked for. Boxes
-  // near very many terms are large beside the features of their sum: ranges will do.
-  const double together = (order == TaylorOrder::first ? 1e-2 : 1e-4) * kThreshold;
-  const double negligible =
-      list.size() > kManyTerms ? kInfinity : together / static_cast<double>(data_->terms.size());
-  std::vector<SumBound> sums(boxes.size());
-  for (const std::uint32_t i : list) add_bounds(data_->terms[i], batch, negligible, sums);
-  std::size_t terms = list.size();
-  for (const FarField& far : data_->far) terms += far.add_bounds(batch, negligible, sums);
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Interval range = range_of(sums[i], terms, boxes[i]) - Interval(kThreshold);
-    out[i] = {widened(range, data_->error_budget), sums[i].remainder + 0.5 * sums[i].range.width()};
-  }
-}
-
-std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
-  require(box.finite(), "enclose_gradient needs a finite box");
-  std::vector<std::uint32_t> list;
-  near_terms(box, list);
-  const BatchBox one(box);
-  GradientSum sum;
-  for (const std::uint32_t i : list) add_gradient_bound(data_->terms[i], one, sum);
-  for (const FarField& far : data_->far) far.add_gradient_bound(one, sum);
-  return sum.bound(one);
-}
-
-double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
-  require(box.finite(), "least_slope needs a finite box");
-  std::vector<std::uint32_t> list;
-  near_terms(box, list);
-  const BatchBox one(box);
-  if (data_->in_exponents) {
-    return LogSum::at_centers(data_->terms, list, {&one, 1})[0].least_slope(one, direction);
-  }
-  SlopeProgram program;
-  for (const std::uint32_t i : list) program.add(data_->terms[i], one, direction);
-  for (const FarField& far : data_->far) {
-    GradientSum gradient;
-    far.add_gradient_bound(one, gradient);
-    SumBound value;
-    far.add_bounds(BoxBatch({&one, 1}, TaylorOrder::first), 0.0, {&value, 1});
-    program.add(range_of(value, 1, one), least_along(gradient.bound(one), direction));
-  }
-  program.add(Interval(-data_->error_budget, data_->error_budget), 0.0);
-  const double least = program.least(kThreshold);
-  if (least > 0 || data_->terms.size() == 1) return least;
-  // Together the gradients may turn less than each by itself.
-  return std::max(least, least_along(enclose_gradient(box), direction));
-}
-
-double Field::derivative_bound(int order, const Aabb& box) const {
-  require(1 <= order && order <= 4, "derivative bounds exist for orders 1 to 4");
-  if (order == 1) {
-    const std::array<Interval, 3> g = enclose_gradient(box);
-    return norm(Vec3d{g[0].magnitude(), g[1].magnitude(), g[2].magnitude()});
-  }
-  std::vector<std::uint32_t> list;
-  near_terms(box, list);
-  double sum = 0;
-  for (const std::uint32_t i : list) {
-    sum += cs2mesh::derivative_bound(data_->terms[i], order, box);
-    if (sum == kInfinity) return sum;
-  }
-  for (const FarField& far : data_->far) sum += far.derivative_bound(order, box);
-  return sum;
-}
-
 std::unique_ptr<ImplicitSurface> Field::restrict_to(const Aabb& box) const {
   std::unique_ptr<Field> part(new Field());
   part->data_ = data_;
   part->restricted_ = true;
+  part->box_ = box;
   const BlockLattice& lattice = data_->lattice;
   if (!lattice.covers(box.min) || !lattice.covers(box.max)) {
     near_terms({{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}},

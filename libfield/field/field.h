@@ -1,6 +1,7 @@
 // The field of a blend group as an ImplicitSurface: F(p) = sum of the terms, surface F = T = 1.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -66,10 +67,19 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   void enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const;
   Interval enclose_in_parts(const Aabb& box, const Enclosure& whole) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
+  double turn() const;
+  bool knows_turn(const Aabb& box) const;
+  void plain_jets(std::span<const Vec3d> points, std::vector<std::uint32_t>& profiled,
+                  std::span<Jet> out) const;
+  void enclose_by_turn(std::span<const BatchBox> boxes, std::span<Enclosure> out) const;
+  double least_slope_by_turn(const BatchBox& box, const Vec3d& direction) const;
 
   std::shared_ptr<const FieldData> data_;
   /// Where this is a restriction: the terms that reach its box, in ascending order.
   bool restricted_ = false;
+  Aabb box_;  ///< of the restriction
+  /// Once asked for, a bound over box_ of the second derivative of all terms without profiles.
+  mutable std::atomic<double> turn_{-1.0};
   std::vector<std::uint32_t> candidates_;
   /// All candidates reach every block of the restriction's box: its one list.
   bool uniform_ = false;
