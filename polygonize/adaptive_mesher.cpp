@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <sstream>
 
 #include "libfield/base/check.h"
+#include "polygonize/both_ways.h"
 #include "polygonize/mend_crossings.h"
 #include "polygonize/octree_mesh.h"
 #include "polygonize/refine.h"
@@ -19,13 +21,23 @@ namespace {
 constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr double kRefined = 0.9, kAccept = 0.96;
 
-/// Below this side cells are not cut. Necks and gaps between smooth blobs are far larger, seen from
-/// the blobs; along creases nothing is ever simple, so only the tolerance counts.
-double smallest_side(const MesherRequest& request) {
-  constexpr double kNeck = 1.0 / 64, kCrease = 0.35;
-  const double neck = kNeck * request.thinnest_radius;
-  return request.creased ? std::max(kCrease * request.tolerance, neck)
-                         : std::min(kCrease * request.tolerance, neck);
+/// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
+/// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
+SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
+  constexpr double kNeck = 1.0 / 64, kSmall = 0.35, kLattice = 1.25;
+  SurfaceOctreeOptions options;
+  options.tolerance = request.tolerance;
+  options.prove = prove;
+  options.smallest = std::min(kSmall * request.tolerance, kNeck * request.thinnest_radius);
+  if (!prove) {
+    const double lattice =
+        expected_cell(request.thinnest_radius, request.creased, request.tolerance);
+    options.largest = kLattice * lattice;
+    options.smallest = std::max(0.25 * lattice, kSmall * request.tolerance);
+  }
+  options.max_cells = request.max_nodes;
+  options.progress = request.progress;
+  return options;
 }
 
 Diagnostic missed(double tolerance, double error) {
@@ -38,15 +50,11 @@ Diagnostic missed(double tolerance, double error) {
 class Adaptive {
  public:
   Adaptive(const ImplicitSurface& surface, const MesherRequest& request, AdaptiveStatistics& log)
-      : surface_(surface), request_(request), log_(log) {}
+      : surface_(surface), request_(request), log_(log), provable_(surface.has_cheap_bounds()) {}
 
   Result<MesherResult> run() {
-    SurfaceOctreeOptions options;
-    options.tolerance = request_.tolerance;
-    options.smallest = smallest_side(request_);
-    options.max_cells = request_.max_nodes;
-    options.progress = request_.progress;
-    const Result<SurfaceOctree> tree = SurfaceOctree::build(surface_, options);
+    const Result<SurfaceOctree> tree =
+        SurfaceOctree::build(surface_, octree_options(request_, provable_));
     if (!tree) return Result<MesherResult>::failure(tree.diagnostics());
     look_at(*tree);
     const OctreeMesh first = mesh_octree(surface_, *tree);
@@ -102,31 +110,52 @@ class Adaptive {
     MesherResult result;
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);
     log_.jets += remeshed.jets;
+    if (result.mesh.empty()) return result;
+    const double back = provable_ ? bring_near(result.mesh) : bring_near_both_ways(result.mesh);
+    const GradientEstimate estimate(0.4 * request_.tolerance);
+    result.error = std::max(
+        back, back < HUGE_VAL ? estimate.largest_distance(surface_, result.mesh) : HUGE_VAL);
+    log_.jets += result.mesh.triangles.size();
+    return result;
+  }
+
+  /// Refines the mesh where it is too far from the surface; infinite if triangles cross afterwards.
+  double bring_near(TriangleMesh& mesh) {
+    constexpr int kMostPasses = 4;
     RefineOptions refinement;
     refinement.tolerance = kRefined * request_.tolerance;
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
-    if (result.mesh.empty()) return result;
-    constexpr int kMostPasses = 4;
     Crossings crossings = Crossings::mended;
     for (int pass = 0; pass < kMostPasses && crossings == Crossings::mended; ++pass) {
-      result.mesh = refine(surface_, std::move(result.mesh), refinement);
-      log_.jets += result.mesh.triangles.size();
-      crossings = mend_crossings(surface_, result.mesh, request_.thinnest_radius);
+      mesh = refine(surface_, std::move(mesh), refinement);
+      log_.jets += mesh.triangles.size();
+      crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
     }
-    if (crossings == Crossings::left) {
-      result.error = HUGE_VAL;
-      return result;
-    }
-    const GradientEstimate estimate(0.4 * request_.tolerance);
-    result.error = estimate.largest_distance(surface_, result.mesh);
-    log_.jets += result.mesh.triangles.size();
-    return result;
+    return crossings == Crossings::left ? HUGE_VAL : 0.0;
+  }
+
+  /// As above, and joins what there is of the surface too far from the mesh: without proof, that is
+  /// looked for.
+  double bring_near_both_ways(TriangleMesh& mesh) {
+    if (mend_crossings(surface_, mesh, request_.thinnest_radius) == Crossings::left)
+      return HUGE_VAL;
+    BothWaysOptions options;
+    options.enough = kRefined * request_.tolerance;
+    options.max_triangles = request_.max_triangles;
+    options.progress = request_.progress;
+    if (!both_ways_) both_ways_.emplace(surface_, options);
+    const double back = both_ways_->run(mesh);
+    if (mend_crossings(surface_, mesh, request_.thinnest_radius) == Crossings::left)
+      return HUGE_VAL;
+    return back;
   }
 
   const ImplicitSurface& surface_;
   const MesherRequest& request_;
   AdaptiveStatistics& log_;
+  bool provable_ = false;
+  std::optional<BothWays> both_ways_;
   double smallest_cell_ = 0.0;
 };
 

@@ -139,12 +139,13 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
       turn = std::max(turn,
                       turn_between(normal, at, normalized(other.jet.gradient), boxes[j].center()));
     }
-    const bool small = fits(side, turn, options.tolerance);
-    if (small || !may_cut) {
+    const bool small = side <= options.largest && fits(side, turn, options.tolerance);
+    if (options.prove && (small || !may_cut)) {
       ++opened.counts.slopes;
       if (opened.surface->least_slope(boxes[i], normal) > 0) child.kind = LeafKind::simple;
     }
-    child.cut = may_cut && !(small && child.kind == LeafKind::simple);
+    const bool done = child.kind == LeafKind::simple || !options.prove;
+    child.cut = may_cut && !(small && done);
   }
 }
 
@@ -304,11 +305,10 @@ Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
                           " cells; use a larger tolerance",
                       Failure::limit);
     }
-    open = tree.crowded(first_new, options);
-    if (open.empty()) {
-      tree.octree_.settle_sides();
-      open = tree.unclear(options);
-    }
+    open = options.prove ? tree.crowded(first_new, options) : std::vector<Index>{};
+    if (!open.empty()) continue;
+    tree.octree_.settle_sides();
+    if (options.prove) open = tree.unclear(options);
   }
   return tree;
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <memory>
 #include <vector>
 
@@ -17,6 +18,11 @@ struct SurfaceOctreeOptions {
   double tolerance = 0.0;  ///< of the mesh to come; scene units, > 0
   /// Cells are not cut below this side, times two; scene units, > 0.
   double smallest = 0.0;
+  /// Cells that may hold surface are cut above this side; scene units, > 0.
+  double largest = std::numeric_limits<double>::infinity();
+  /// Whether to prove the surface simple. If not, cells are cut by the estimate of the curvature
+  /// alone, and leaves are empty or open: for surfaces whose bounds are too dear or too wide.
+  bool prove = true;
   std::size_t max_cells = 200'000'000;
   Progress* progress = nullptr;
 };

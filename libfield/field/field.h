@@ -43,6 +43,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   void enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const override;
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
   double least_slope(const Aabb& box, const Vec3d& direction) const override;
+  bool has_cheap_bounds() const override;
   double derivative_bound(int order, const Aabb& box) const override;
   Aabb bounds() const override;
   std::unique_ptr<ImplicitSurface> restrict_to(const Aabb& box) const override;
@@ -80,6 +81,8 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   Aabb box_;  ///< of the restriction
   /// Once asked for, a bound over box_ of the second derivative of all terms without profiles.
   mutable std::atomic<double> turn_{-1.0};
+  /// And one of the size of all terms that are subtracted, set before it.
+  mutable std::atomic<double> subtracted_{0.0};
   std::vector<std::uint32_t> candidates_;
   /// All candidates reach every block of the restriction's box: its one list.
   bool uniform_ = false;

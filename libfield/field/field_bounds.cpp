@@ -86,26 +86,30 @@ Interval Field::enclose_in_parts(const Aabb& box, const Enclosure& whole) const 
 }
 
 double Field::turn() const {
-  double turn = turn_.load(std::memory_order_relaxed);
+  double turn = turn_.load(std::memory_order_acquire);
   if (turn >= 0) return turn;
   std::vector<std::uint32_t> list;
   near_terms(box_, list);
   turn = 0.0;
+  double subtracted = 0.0;
   for (const std::uint32_t i : list) {
-    if (data_->terms[i].profiles.empty()) {
-      turn += cs2mesh::derivative_bound(data_->terms[i], 2, box_);
-    }
+    const Term& term = data_->terms[i];
+    if (!term.profiles.empty()) continue;
+    turn += cs2mesh::derivative_bound(term, 2, box_);
+    if (term.sign < 0) subtracted += magnitude_bound(term, box_.distance(skeleton_box(term)));
   }
   for (const FarField& far : data_->far) turn += far.derivative_bound(2, box_);
-  // Whoever comes first, the number is the same.
-  turn_.store(turn, std::memory_order_relaxed);
+  // Whoever comes first, the numbers are the same.
+  subtracted_.store(subtracted, std::memory_order_relaxed);
+  turn_.store(turn, std::memory_order_release);
   return turn;
 }
 
 /// Whether one bound of the second derivative serves all boxes in the restriction's, this among
 /// them.
 bool Field::knows_turn(const Aabb& box) const {
-  return restricted_ && data_->positive && box_.contains(box) && std::isfinite(turn());
+  return restricted_ && (data_->positive || data_->far.empty()) && box_.contains(box) &&
+         std::isfinite(turn());
 }
 
 /// The jets of all terms without a profile; the others near the points go into `profiled`.
@@ -138,9 +142,10 @@ void Field::enclose_by_turn(std::span<const BatchBox> boxes, std::span<Enclosure
   const double negligible = 1e-2 * kThreshold / static_cast<double>(data_->terms.size());
   for (const std::uint32_t i : profiled) add_bounds(data_->terms[i], batch, negligible, sums);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    // Of positive terms, the sum tells how large they are.
-    const double rounding = kBackwardErrors * (std::abs(jets[i].value) +
-                                               norm(jets[i].gradient) * data_->bounds.diagonal());
+    // How large the terms are the sum tells, but for those that are subtracted.
+    const double size = std::abs(jets[i].value) + 2 * subtracted_.load(std::memory_order_relaxed);
+    const double rounding = kBackwardErrors * (1 + data_->bounds.diagonal() / box_.diagonal()) *
+                            (size + norm(jets[i].gradient) * box_.diagonal());
     const Interval range = range_of(sums[i], profiled.size() + 1, boxes[i]) - Interval(kThreshold);
     out[i] = {widened(range, data_->error_budget + rounding),
               sums[i].remainder + 0.5 * sums[i].range.width()};
@@ -264,6 +269,10 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   if (least > 0 || data_->terms.size() == 1) return least;
   // Together the gradients may turn less than each by itself.
   return std::max(least, least_along(enclose_gradient(box), direction));
+}
+
+bool Field::has_cheap_bounds() const {
+  return data_->in_exponents;
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {

@@ -53,6 +53,9 @@ class ImplicitSurface {
   /// surface in the box; infinite if there are none. Where it is positive, F changes its sign at
   /// most once along every line of that direction within the box: the surface there is a graph.
   virtual double least_slope(const Aabb& box, const Vec3d& direction) const;
+  /// Whether least_slope() and enclose_each() cost little more than an evaluation and stay tight
+  /// where F is steep, so that millions of boxes can be asked about.
+  virtual bool has_cheap_bounds() const { return false; }
   /// An upper bound, over the box, of the operator norm of the derivative of that order (1 to 4);
   /// infinite where there is none: where the derivative before it jumps, as at the edges of finite
   /// supports (from order 3 on) and the creases of solids (from order 2 on), or where none is
