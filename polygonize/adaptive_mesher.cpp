@@ -70,14 +70,14 @@ class Adaptive {
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       if (result.error < best.error) best = std::move(result);
       if (best.error <= kAccept * request_.tolerance) break;
+      if (!provable_) break;
     }
+    if (best.error > request_.tolerance) return by_lattice(std::move(best));
     best.cell = smallest_cell_;
     best.values = log_.octree.values + log_.jets;
     best.gradients = log_.octree.gradients + log_.jets;
-    best.reached = best.error <= request_.tolerance;
-    std::vector<Diagnostic> remarks;
-    if (!best.reached) remarks.push_back(missed(request_.tolerance, best.error));
-    return {std::move(best), std::move(remarks)};
+    best.reached = true;
+    return best;
   }
 
  private:
@@ -98,6 +98,15 @@ class Adaptive {
                     "the mesh needs more than " + std::to_string(request_.max_triangles) +
                         " triangles; use a larger tolerance",
                     Failure::limit);
+  }
+
+  /// What the lattice mesher makes of it, if that is better.
+  Result<MesherResult> by_lattice(MesherResult best) const {
+    Result<MesherResult> other = mesh_by_lattice(surface_, request_);
+    if (other && other->error < best.error) return other;
+    if (!(best.error < HUGE_VAL)) return other;
+    const Diagnostic remark = missed(request_.tolerance, best.error);
+    return {std::move(best), {remark}};
   }
 
   /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
@@ -171,6 +180,10 @@ Result<MesherResult> mesh_adaptive(const ImplicitSurface& surface, const MesherR
     MesherResult nothing;
     nothing.reached = true;
     return nothing;
+  }
+  // A profile that jumps makes walls and slots of any width, which the lattice mesher looks for.
+  if (!std::isfinite(surface.derivative_bound(1, surface.bounds()))) {
+    return mesh_by_lattice(surface, request);
   }
   AdaptiveStatistics log;
   Result<MesherResult> result = Adaptive(surface, request, log).run();

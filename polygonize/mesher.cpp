@@ -9,24 +9,6 @@
 namespace cs2mesh {
 namespace {
 
-Result<MesherResult> mesh_on_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
-  ToleranceOptions options;
-  options.max_nodes = request.max_nodes;
-  options.max_triangles = request.max_triangles;
-  options.progress = request.progress;
-  Result<ToleranceMesh> made = mesh_to_tolerance(surface, request.thinnest_radius, request.creased,
-                                                 request.tolerance, options);
-  if (!made) return Result<MesherResult>::failure(made.diagnostics());
-  MesherResult result;
-  result.error = made->error;
-  result.cell = made->cell;
-  result.reached = made->reached;
-  result.values = made->statistics.value_evaluations;
-  result.gradients = made->statistics.gradient_evaluations;
-  result.mesh = std::move(made->mesh);
-  return {std::move(result), made.diagnostics()};
-}
-
 Result<MesherResult> mesh_by_octree(const ImplicitSurface& surface, const MesherRequest& request) {
   return mesh_adaptive(surface, request);
 }
@@ -35,7 +17,7 @@ constexpr std::array<Mesher, 2> kMeshers{{
     {"adaptive", "cells that follow the surface, as few triangles as the tolerance allows",
      mesh_by_octree},
     {"lattice", "cells of one size, refined where the mesh is too far; measured both ways",
-     mesh_on_lattice},
+     mesh_by_lattice},
 }};
 
 }  // namespace

@@ -105,7 +105,8 @@ class Refiner {
   /// Where a triangle is too far from the surface, if it is at this point. Where F has walls its
   /// gradient may point past the nearest surface.
   std::optional<LostPoint> far_point(std::size_t triangle, const Vec3d& p, double distance) const {
-    if (!(distance > options_.tolerance)) return std::nullopt;
+    constexpr double kNearly = 0.8;  // the nearest surface may be farther than the first order says
+    if (!(distance > kNearly * options_.tolerance)) return std::nullopt;
     const Foot foot = find_foot(surface_, p, std::min(distance, longest_way_));
     if (!(foot.distance > options_.tolerance)) return std::nullopt;
     return LostPoint{foot.point, p, foot.distance, static_cast<std::uint32_t>(triangle)};

@@ -9,6 +9,7 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/cell_table.h"
+#include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
 namespace {
@@ -89,34 +90,53 @@ SurfaceOctree::Opened SurfaceOctree::look_into(Index cell,
   const double side = octree_.side(octree_[cell].level);
   opened.surface_box = whole.grown(kMargin * side);
   opened.surface = surface_at(cell).restrict_to(opened.surface_box);
+  // Without proof, the jets alone tell of small cells which the surface seems to be far from.
+  if (options.prove || side > 4 * options.largest) {
+    clear_by_enclosure(cell, opened);
+  } else {
+    clear_by_distance(cell, opened);
+  }
+  judge(cell, opened, options);
+  return opened;
+}
+
+void SurfaceOctree::clear_by_enclosure(Index cell, Opened& opened) const {
   const std::array<Aabb, 8> boxes = parts(octree_, cell);
   std::array<Interval, 8> ranges;
   opened.surface->enclose_each(boxes, ranges);
   opened.counts.enclosures = 8;
-
   std::array<Vec3d, 8> centers;
   std::array<std::size_t, 8> active{};
   std::size_t count = 0;
   for (std::size_t i = 0; i < 8; ++i) {
-    Child& child = opened.children[i];
     if (may_hold_zero(ranges[i])) {
       centers[count] = boxes[i].center();
       active[count++] = i;
     } else {
-      child.inside = ranges[i].lo > 0;
+      opened.children[i].inside = ranges[i].lo > 0;
     }
   }
   std::array<Jet, 8> jets;
   opened.surface->jets(std::span(centers).first(count), std::span(jets).first(count));
   opened.counts.values = opened.counts.gradients = count;
   for (std::size_t k = 0; k < count; ++k) {
-    Child& child = opened.children[active[k]];
-    child.jet = jets[k];
-    child.inside = jets[k].value >= 0;
-    child.kind = LeafKind::open;
+    opened.children[active[k]] = {jets[k], LeafKind::open, jets[k].value >= 0};
   }
-  judge(cell, opened, options);
-  return opened;
+}
+
+void SurfaceOctree::clear_by_distance(Index cell, Opened& opened) const {
+  constexpr double kFar = 1.5;  // half diagonals
+  const std::array<Aabb, 8> boxes = parts(octree_, cell);
+  std::array<Vec3d, 8> centers;
+  for (std::size_t i = 0; i < 8; ++i) centers[i] = boxes[i].center();
+  std::array<Jet, 8> jets;
+  opened.surface->jets(centers, jets);
+  opened.counts.values = opened.counts.gradients = 8;
+  for (std::size_t i = 0; i < 8; ++i) {
+    const double distance = first_order_distance(jets[i], std::numeric_limits<double>::infinity());
+    const bool far = distance > 0.5 * kFar * boxes[i].diagonal();
+    opened.children[i] = {jets[i], far ? LeafKind::empty : LeafKind::open, jets[i].value >= 0};
+  }
 }
 
 /// Decides which of the children that may hold surface are to be cut.

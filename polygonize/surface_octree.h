@@ -29,7 +29,7 @@ struct SurfaceOctreeOptions {
 
 /// What the surface may be in a leaf.
 enum class LeafKind : std::uint8_t {
-  empty,   ///< proven: F has no zero in it
+  empty,   ///< F has no zero in it: proven, or without proof by the look of it
   simple,  ///< proven: F grows all along one direction in it, so the surface is one sheet, a graph
   open,    ///< neither could be shown at the smallest side
 };
@@ -71,6 +71,8 @@ class SurfaceOctree {
   struct Opened;
   explicit SurfaceOctree(Octree octree) : octree_(std::move(octree)) {}
   Opened look_into(Index cell, const SurfaceOctreeOptions& options) const;
+  void clear_by_enclosure(Index cell, Opened& opened) const;
+  void clear_by_distance(Index cell, Opened& opened) const;
   void judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const;
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
   void take(Index cell, const Opened& opened, std::vector<Index>& open);

@@ -212,4 +212,22 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   return {std::move(best), std::move(remarks)};
 }
 
+Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
+  ToleranceOptions options;
+  options.max_nodes = request.max_nodes;
+  options.max_triangles = request.max_triangles;
+  options.progress = request.progress;
+  Result<ToleranceMesh> made = mesh_to_tolerance(surface, request.thinnest_radius, request.creased,
+                                                 request.tolerance, options);
+  if (!made) return Result<MesherResult>::failure(made.diagnostics());
+  MesherResult result;
+  result.error = made->error;
+  result.cell = made->cell;
+  result.reached = made->reached;
+  result.values = made->statistics.value_evaluations;
+  result.gradients = made->statistics.gradient_evaluations;
+  result.mesh = std::move(made->mesh);
+  return {std::move(result), made.diagnostics()};
+}
+
 }  // namespace cs2mesh

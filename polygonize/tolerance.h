@@ -9,6 +9,7 @@
 #include "libfield/base/result.h"
 #include "libfield/field/implicit_surface.h"
 #include "polygonize/lattice_mesher.h"
+#include "polygonize/mesher.h"
 #include "polygonize/triangle_mesh.h"
 
 namespace cs2mesh {
@@ -85,5 +86,8 @@ double expected_cell(double radius, bool creased, double tolerance);
 Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double thinnest_radius,
                                         bool creased, double tolerance,
                                         const ToleranceOptions& options = {});
+
+/// The same as one of the meshers() (mesher.h).
+Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request);
 
 }  // namespace cs2mesh
