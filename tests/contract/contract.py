@@ -8,7 +8,8 @@
 Held is: the run ends in time with status 0; the mesh is closed, manifold, oriented, free of
 self-intersections, nowhere farther from the surface than the tolerance, in either direction; outer
 components, voids and genus are as expected. A random scene may also end with status 3 and the place
-of what cannot be meshed. Status 1 if anything does not hold.
+of what cannot be meshed, or with status 2 where it has no surface. Status 1 if anything does not
+hold.
 """
 
 import argparse
@@ -25,6 +26,7 @@ from judge import Judge, Limits
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 HERE = pathlib.Path(__file__).resolve().parent
 LOCATED = re.compile(r"^[^\n]*:\d+:(\d+:)? error: ", re.MULTILINE)
+NO_SURFACE = re.compile(r"error: the scene has no surface")
 COLUMNS = [
     ("scene", 11),
     ("tol", 6),
@@ -89,7 +91,7 @@ def print_line(values, rest):
 
 
 def print_row(row, topologies=()):
-    print_line(cells(row, topologies), "; ".join(row["broken"]) or "holds")
+    print_line(cells(row, topologies), "; ".join(row["broken"]) or row.get("refused", "holds"))
     if "independent_surface_to_mesh" in row:
         to_surface, to_mesh = row["independent_mesh_to_surface"], row["independent_surface_to_mesh"]
         print(f"    independently: {to_surface:.3f} ->surf, {to_mesh:.3f} ->mesh", flush=True)
@@ -135,8 +137,9 @@ def judge_contract(options, judge):
 def judge_random_scene(judge, scene, tolerance):
     """As any scene, but that status 3 is right where it names the place of the reason."""
     row = judge.judge(scene, tolerance)
-    if row["status"] == 3 and LOCATED.search(row["words"]):
-        row["broken"] = []
+    accepted = {3: LOCATED, 2: NO_SURFACE}.get(row["status"])
+    if accepted and accepted.search(row["words"]):
+        row["refused"] = row["broken"].pop()
     return row
 
 

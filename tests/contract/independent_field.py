@@ -12,6 +12,7 @@ as long as the distance at which the kernel falls. c makes the primitive alone 1
 import math
 
 import numpy as np
+from scipy.spatial.distance import cdist
 from scipy.special import erf
 
 NODES, WEIGHTS = np.polynomial.legendre.leggauss(10)
@@ -70,13 +71,16 @@ class NodeSource:
 
     def evaluate(self, points):
         value, gradient = np.zeros(len(points)), np.zeros((len(points), 3))
+        origin = self.nodes.mean(axis=0)  # near the nodes, so that little cancels below
         step = max(1, MAX_PAIRS // len(self.nodes))
         for at in range(0, len(points), step):
             block = slice(at, at + step)
-            away = points[block, None, :] - self.nodes[None, :, :]
-            h, slope = kernel_values(self.kernel, self.width, np.einsum("pni,pni->pn", away, away))
+            squared = cdist(points[block], self.nodes, "sqeuclidean")
+            h, slope = kernel_values(self.kernel, self.width, squared)
             value[block] = h @ self.weights
-            gradient[block] = 2 * np.einsum("pn,pni->pi", slope * self.weights, away)
+            slope = slope * self.weights
+            whole = slope.sum(axis=1)[:, None] * (points[block] - origin)
+            gradient[block] = 2 * (whole - slope @ (self.nodes - origin))
         return value, gradient
 
 
@@ -253,8 +257,8 @@ class Field:
         self.factors, self.sources = [], []
         for primitive in primitives:
             source = primitive.source()
-            alone = source.evaluate((primitive.middle + primitive.radius * primitive.normal)[None, :])
-            self.factors.append(primitive.strength / alone[0][0])
+            place = primitive.middle + primitive.radius * primitive.normal
+            self.factors.append(primitive.strength / source.evaluate(place[None, :])[0][0])
             self.sources.append(source)
         self.merge_points()
         self.cost = sum(len(getattr(source, "nodes", [1] * 3)) for source in self.sources)

@@ -9,8 +9,9 @@ import numpy as np
 
 from independent_field import Arc, Field, Primitive, Segment, Triangle, Unreadable
 
-KEYWORDS = ["body", "diffuse", "ambient", "specular", "shine", "radius", "blobbiness", "strength",
-            "texture", "kernel", "width", "reflective", "transparent", "index", "dispersion", "skip"]
+KEYWORDS = ["body", "diffuse", "ambient", "specular", "shine", "radius", "blobbiness",
+            "strength", "texture", "kernel", "width", "reflective", "transparent", "index",
+            "dispersion", "skip"]
 DEFAULT_KERNEL = {"dot": "quartic", "gauss": "gaussian", "line": "gaussian"}
 WITHOUT_EFFECT = {"eyep", "vrp", "vup", "fov", "framesize", "filename", "format", "light", "echo",
                   "background", "sample", "reset", "shoot", "return"}

@@ -126,8 +126,8 @@ def primitive(draw, name):
     radius = draw.log_uniform(0.08, 0.5)
     kinds = ["sphere", "cylinder", "torus"]
     if name != "hard":
-        kinds += ["sphere", "dot", "gauss", "line", "line", "cylinder", "pipe", "arc", "arc", "arch"]
-        kinds += ["triangle", "triangle"]
+        kinds += ["sphere", "dot", "gauss", "line", "line", "cylinder", "pipe"]
+        kinds += ["arc", "arc", "arch", "triangle", "triangle"]
     kind = draw.dice.choice(kinds)
     if kind in ("sphere", "dot", "gauss"):
         at = draw.place(radius)

@@ -96,7 +96,7 @@ def coral(count):
     """A tree of that many segments, each ending in two or three thinner, shorter ones."""
     draw = random.Random(543)
     lines = ["surface s { kernel cauchy blobbiness -12 }"]
-    queue = [((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 1.0, 0.12)]
+    queue = [((0.0, 0.0, 0.0), (0.0, 0.0, 1.0), 1.0, 0.13)]
     for number in range(count):
         start, axis, length, radius = queue.pop(0)
         end = along(start, axis, length)
@@ -104,9 +104,9 @@ def coral(count):
         children = 3 if number % 3 == 0 else 2
         turn = 2.0 * math.pi * draw.random()
         for child in range(children):
-            angle = 0.35 + 0.35 * draw.random()
+            angle = 0.4 + 0.3 * draw.random()
             direction = tilted(axis, angle, turn + 2.0 * math.pi * child / children)
-            queue.append((end, direction, (0.72 + 0.1 * draw.random()) * length, 0.78 * radius))
+            queue.append((end, direction, (0.74 + 0.1 * draw.random()) * length, 0.85 * radius))
     return "\n".join(lines) + "\n"
 
 
@@ -190,7 +190,7 @@ CONTRACT = {
     "sphere": Scene([(1, 0, 0)], sphere),
     "torus": Scene([(1, 0, 1)], torus),
     "cowrie": Scene([(1, 0, 0)]),
-    "seahorse": Scene([(3, 0, 0)]),
+    "seahorse": Scene([(3, 0, 2)]),
     "icicle": Scene([(2, 0, 0)]),
     "flake1": Scene([(1, 0, 0)], lambda: sphereflake(1)),
     "flake2": Scene([(1, 0, 0)], lambda: sphereflake(2)),
