@@ -75,9 +75,9 @@ class Judging(ContractTest):
         self.assertIn("bad.art:1:1: error", row["broken"][0])
 
     def test_time_limit(self):
-        done = run_limited([sys.executable, "-c", "while True: pass"], 0.2, 1 << 30)
+        done = run_limited([sys.executable, "-c", "while True: pass"], 0.5, 1 << 30)
         self.assertTrue(done.timed_out)
-        self.assertIn("ran over", done.failure())
+        self.assertIn("ran over its time", done.failure())
 
     def test_memory_limit(self):
         done = run_limited([sys.executable, "-c", "bytes(1 << 31)"], 60, 1 << 30)

@@ -5,8 +5,8 @@
     tests/contract/independent.py SCENE.art --topology N      counts on a grid of N cells a side
     tests/contract/independent.py SCENE.art --values          "x y z" a line on stdin: the field
 
-To the surface: random points of triangles are led along the gradient until the field is 1; the way
-is an upper bound. To the mesh: rays, from places on the skeleton and through the box, are marched
+To the surface: random points of triangles are led along the gradient until the field is 1; where
+that way is longest, the nearest of many directions counts. Both are upper bounds. To the mesh: rays, from places on the skeleton and through the box, are marched
 until the field crosses 1; the distance to the nearest triangle is exact for the largest. Topology:
 components, hollows and tunnels of the voxels inside, by Euler's formula (a genus is a tunnel).
 """
@@ -25,6 +25,10 @@ from independent_scene import read_scene
 MARCH = 48  # steps of a ray
 HALVINGS = 32  # of a step, around a crossing
 BUDGET = 1.5e9  # evaluations of one source at one point, for all rays
+DIRECTIONS = 300  # in which the surface is looked for, if the gradient may mislead
+RETRY_STEPS = 32
+SLID = 3000  # feet that are led along the surface, of the points farthest from it
+RETRIED = 200  # points for which that is done at most
 NEAREST = 12  # triangles tried by their middles
 
 
@@ -62,24 +66,91 @@ def random_on_mesh(random, vertices, faces, count):
     return (1 - root) * picked[:, 0] + root * ((1 - other) * picked[:, 1] + other * picked[:, 2])
 
 
-def distance_to_surface(field, points, most):
-    """Newton along the gradient, no step longer than `most`; infinite where it does not arrive."""
-    at, distance = points.copy(), np.full(len(points), np.inf)
-    waiting = np.arange(len(points))
+def feet_of(field, starts, most):
+    """Newton along the gradient, no step longer than `most`; not a number where it does not
+    arrive."""
+    at, feet = starts.copy(), np.full(starts.shape, np.nan)
+    waiting = np.arange(len(starts))
     for _ in range(30):
         value, gradient = potential(field, at[waiting])
         squared = np.maximum(np.einsum("pi,pi->p", gradient, gradient), 1e-300)
         step = -(value / squared)[:, None] * gradient
         length = np.linalg.norm(step, axis=1)
         arrived = length <= 1e-9 * most
-        done = waiting[arrived]
-        distance[done] = np.linalg.norm(at[done] - points[done], axis=1)
+        feet[waiting[arrived]] = at[waiting[arrived]]
         step *= np.minimum(1.0, most / np.maximum(length, 1e-300))[:, None]
         at[waiting] += step
         waiting = waiting[~arrived]
         if len(waiting) == 0:
             break
-    return distance
+    return feet
+
+
+def distances(points, feet):
+    away = np.linalg.norm(points - feet, axis=1)
+    return np.where(np.isnan(away), np.inf, away)
+
+
+def slid_feet(field, points, feet, most):
+    """The feet, led along the surface towards the points for as long as that shortens the way."""
+    share = np.ones(len(points))
+    for _ in range(8):
+        gradient = potential(field, np.nan_to_num(feet))[1]
+        normal = gradient / np.maximum(np.linalg.norm(gradient, axis=1), 1e-300)[:, None]
+        away = points - feet
+        along = away - np.einsum("pi,pi->p", away, normal)[:, None] * normal
+        tried = feet_of(field, np.nan_to_num(feet + share[:, None] * along), most)
+        better = distances(points, tried) < distances(points, feet)
+        feet = np.where(better[:, None], tried, feet)
+        share = np.where(better, share, 0.5 * share)
+    return feet
+
+
+def nearest_crossing(field, point, directions, reach):
+    """The shortest way to the surface in one of the directions, and that direction."""
+    inside = field.evaluate(point[None, :])[0][0] >= 1.0
+    crossing = np.full(len(directions), np.inf)
+    for share in np.arange(1, RETRY_STEPS + 1) / RETRY_STEPS:
+        away = np.nonzero(crossing == np.inf)[0]
+        value = field.evaluate(point + share * reach * directions[away])[0]
+        crossing[away[(value >= 1.0) != inside]] = share * reach
+    hit = np.nonzero(crossing == crossing.min())[0]
+    if crossing[hit[0]] == np.inf:
+        return np.inf, directions[0]
+    starts, far = np.repeat(point[None, :], len(hit), axis=0), crossing[hit]
+    feet = bisected(field, starts, directions[hit], far - reach / RETRY_STEPS, far)
+    ways = np.linalg.norm(feet - point, axis=1)
+    return float(ways.min()), directions[hit[np.argmin(ways)]]
+
+
+def nearer_surface(random, field, point, bound):
+    """Looks in all directions, then in ever closer ones around the best."""
+    directions = random_directions(random, DIRECTIONS)
+    for width in (0.3, 0.1, 0.03, 0.0):
+        way, best = nearest_crossing(field, point, directions, bound)
+        bound = min(bound, way)
+        directions = best + width * random_directions(random, DIRECTIONS)
+        directions /= np.linalg.norm(directions, axis=1)[:, None]
+    return bound
+
+
+def largest_distance_to_surface(random, field, points, most):
+    """Of the bounds by Newton the largest are tried again, until one stands: in a groove the
+    gradient does not lead to the nearest place."""
+    feet = feet_of(field, points, most)
+    bounds = distances(points, feet)
+    worst = np.argsort(-bounds)[:SLID]
+    bounds[worst] = distances(points[worst], slid_feet(field, points[worst], feet[worst], most))
+    largest = 0.0
+    for index in np.argsort(-bounds)[:RETRIED]:
+        if bounds[index] <= largest:
+            break
+        reach = min(float(bounds[index]), 10 * most)
+        nearer = nearer_surface(random, field, points[index], reach)
+        if nearer < reach:
+            bounds[index] = nearer
+        largest = max(largest, float(bounds[index]))
+    return float(bounds.max())
 
 
 # ---- surface to mesh ----------------------------------------------------------------------------
@@ -225,12 +296,12 @@ def measure(field, vertices, faces, samples, seed):
     low, high = vertices.min(axis=0), vertices.max(axis=0)
     diagonal = float(np.linalg.norm(high - low))
     on_mesh = random_on_mesh(random, vertices, faces, samples)
-    mesh_to_surface = distance_to_surface(field, on_mesh, 0.01 * diagonal)
+    mesh_to_surface = largest_distance_to_surface(random, field, on_mesh, 0.01 * diagonal)
     rays = int(min(samples, BUDGET / (field.cost * (MARCH + HALVINGS))))
     margin = 0.05 * diagonal
     on_surface = surface_points(random, field, low - margin, high + margin, max(rays, 200))
     return {
-        "mesh_to_surface_max": float(mesh_to_surface.max()),
+        "mesh_to_surface_max": mesh_to_surface,
         "surface_to_mesh_max": largest_distance_to_mesh(on_surface, vertices, faces),
         "mesh_samples": samples,
         "surface_samples": len(on_surface),
