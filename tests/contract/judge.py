@@ -17,7 +17,7 @@ class Limits:
         self.seconds = seconds  # of meshing
         self.measure_seconds = measure_seconds  # of check and of compare
         self.memory = memory  # bytes of address space
-        self.samples = samples  # of compare, each way
+        self.samples = samples  # of compare, each way; a hundredth of it are certified rays
 
 
 class Done:
@@ -148,7 +148,7 @@ class Judge:
 
     def compare(self, scene, mesh, row):
         command = [self.program, "compare", scene, mesh, "--samples", self.limits.samples]
-        command += ["--no-silhouette", "--json", "-q"]
+        command += ["--rays", self.limits.samples // 100, "--no-silhouette", "--json", "-q"]
         done = run_limited(command, self.limits.measure_seconds, self.limits.memory)
         if done.failure():
             row["broken"].append("compare " + done.failure())
