@@ -6,9 +6,10 @@
     tests/contract/independent.py SCENE.art --values          "x y z" a line on stdin: the field
 
 To the surface: random points of triangles are led along the gradient until the field is 1; where
-that way is longest, the nearest of many directions counts. Both are upper bounds. To the mesh: rays, from places on the skeleton and through the box, are marched
-until the field crosses 1; the distance to the nearest triangle is exact for the largest. Topology:
-components, hollows and tunnels of the voxels inside, by Euler's formula (a genus is a tunnel).
+that way is longest, the nearest of many directions counts. Both are upper bounds. To the mesh:
+rays, from places on the skeleton and through the box, are marched until the field crosses 1; the
+distance to the nearest triangle is exact for the largest. Topology: components, hollows and tunnels
+of the voxels inside, by Euler's formula (a genus is a tunnel).
 """
 
 import argparse

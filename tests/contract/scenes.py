@@ -184,9 +184,9 @@ class Scene:
 
 
 # Topologies: by construction; flake1, flake2, starfish and icicle (whose dot hangs free) as
-# `independent.py --topology` counts them on finer and finer grids without the project's code, the
-# seahorse (two rings, and the eyes) likewise from values of the field; the cowrie as meshes of three
-# tolerances agree. In flake3, flake4, magra70000 and coral branches meet, nobody knows how often.
+# `independent.py --topology` counts them on finer and finer grids without the project's code; the
+# seahorse (two rings, and the eyes) likewise from values of the field; the cowrie as meshes of
+# three tolerances agree. In flake3, flake4, magra70000 and coral, branches meet uncounted times.
 CONTRACT = {
     "sphere": Scene([(1, 0, 0)], sphere),
     "torus": Scene([(1, 0, 1)], torus),
