@@ -141,7 +141,7 @@ def judge_random_scene(judge, scene, tolerance):
     has_plane = re.search(r"^plane ", pathlib.Path(scene).read_text(), re.MULTILINE)
     accepted = {3: LOCATED if has_plane else None, 2: NO_SURFACE}.get(row["status"])
     if accepted and accepted.search(row["words"]):
-        row["refused"] = row["broken"].pop()
+        row["refused"] = "refused, rightly: " + row["broken"].pop()
     return row
 
 
