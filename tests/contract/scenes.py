@@ -175,6 +175,29 @@ def spike():
     )
 
 
+def ring():
+    """A stiff kernel of finite support: in the hole, 0.4 wide, the field and its gradient are 0."""
+    return "surface s { kernel quartic blobbiness -170 }\ntorus s 1.2 1 <0 0 0> <0 0 1>\n"
+
+
+def negative():
+    """A ball, and a group in which nothing adds to the field: it has no surface."""
+    return (
+        "surface s { kernel gaussian blobbiness -2 }\n"
+        "surface n { kernel gaussian blobbiness -2 strength -1 }\n"
+        "sphere s 1 <0 0 0>\nobject group\nblend\nsphere n 1 <0.5 0 0>\nclose\n"
+    )
+
+
+def waves():
+    """A singular kernel under a profile with kinks."""
+    return (
+        "texture wave strength sin one bounds <0.5 0 0> <1 0 0> scale 6 1 1 times 1.2 1 1\n"
+        "surface s { kernel squared radius 1.6 blobbiness -2 texture wave }\n"
+        "line s <-1.37 -0.55 0.97> <-1.25 -1.52 5.44>\n"
+    )
+
+
 class Scene:
     """`topologies`: what is right, as (outer components, voids, genus); empty if not known."""
 
@@ -183,10 +206,10 @@ class Scene:
         self.make = make  # none: a file of data/scenes
 
 
-# Topologies: by construction; flake1, flake2, starfish and icicle (whose dot hangs free) as
-# `independent.py --topology` counts them on finer and finer grids without the project's code; the
+# Topologies: by construction; flake1, flake2, coral, starfish and icicle (whose dot hangs free) as
+# `independent.py --topology` counts them on grids without the project's code; the
 # seahorse (two rings, and the eyes) likewise from values of the field; the cowrie as meshes of
-# three tolerances agree. In flake3, flake4, magra70000 and coral, branches meet uncounted times.
+# three tolerances agree. In flake3, flake4 and magra70000 balls meet uncounted times.
 CONTRACT = {
     "sphere": Scene([(1, 0, 0)], sphere),
     "torus": Scene([(1, 0, 1)], torus),
@@ -198,12 +221,16 @@ CONTRACT = {
     "flake3": Scene([], lambda: sphereflake(3)),
     "flake4": Scene([], lambda: sphereflake(4)),
     "magra70000": Scene([], lambda: swirl(70000)),
-    "coral": Scene([], lambda: coral(543)),
+    "coral": Scene([(1, 0, 28)], lambda: coral(543)),
     "starfish": Scene([(1, 0, 0)], starfish),
     "bust": Scene([(1, 1, 0)], bust_scene),
     "touching": Scene([(1, 0, 0), (2, 0, 0)], touching),
     "tubes": Scene([(2, 0, 0)], tubes),
     "spike": Scene([(1, 0, 0)], spike),
+    # What random seeds found, made smaller.
+    "ring": Scene([(1, 0, 1)], ring),
+    "negative": Scene([(1, 0, 0)], negative),
+    "waves": Scene([(1, 0, 0)], waves),
 }
 
 
