@@ -9,7 +9,8 @@ To the surface: random points of triangles are led along the gradient until the 
 that way is longest, the nearest of many directions counts. Both are upper bounds. To the mesh:
 rays, from places on the skeleton and through the box, are marched until the field crosses 1; the
 distance to the nearest triangle is exact for the largest. Topology: components, hollows and tunnels
-of the voxels inside, by Euler's formula (a genus is a tunnel).
+of the voxels inside, by Euler's formula (a genus is a tunnel). Status 3: a scene beyond the part of
+the language that is read here.
 """
 
 import argparse
@@ -340,7 +341,8 @@ def main():
     try:
         field = read_scene(options.scene)
     except Unreadable as reason:
-        sys.exit(f"independent: {options.scene}: not read here: {reason}")
+        print(f"independent: {options.scene}: not read here: {reason}", file=sys.stderr)
+        sys.exit(3)
     if options.topology:
         print_topology(field, options)
         return
