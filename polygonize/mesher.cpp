@@ -3,13 +3,15 @@
 #include <algorithm>
 #include <array>
 
+#include "polygonize/dual_mesher.h"
 #include "polygonize/tolerance.h"
+#include "polygonize/vdb_mesher.h"
 
 namespace cs2mesh {
 namespace {
 
-Result<MesherResult> mesh_on_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
-  ToleranceOptions options;
+Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherRequest& request,
+                                   ToleranceOptions options) {
   options.max_nodes = request.max_nodes;
   options.max_triangles = request.max_triangles;
   options.progress = request.progress;
@@ -26,9 +28,31 @@ Result<MesherResult> mesh_on_lattice(const ImplicitSurface& surface, const Meshe
   return {std::move(result), made.diagnostics()};
 }
 
-constexpr std::array<Mesher, 1> kMeshers{{
+Result<MesherResult> mesh_on_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
+  return mesh_on_cells(surface, request, {});
+}
+
+Result<MesherResult> mesh_by_dual(const ImplicitSurface& surface, const MesherRequest& request) {
+  ToleranceOptions options;
+  options.mesh_cells = mesh_dual;
+  options.follows_creases = true;
+  return mesh_on_cells(surface, request, options);
+}
+
+Result<MesherResult> mesh_by_vdb(const ImplicitSurface& surface, const MesherRequest& request) {
+  ToleranceOptions options;
+  options.mesh_cells = mesh_vdb;
+  return mesh_on_cells(surface, request, options);
+}
+
+constexpr std::array<Mesher, 3> kMeshers{{
     {"lattice", "cells of one size, refined where the mesh is too far; measured both ways",
      mesh_on_lattice},
+    {"dual", "a vertex in each cell, on creases where there are any; refined and measured likewise",
+     mesh_by_dual},
+    {"vdb",
+     "an OpenVDB level set, with larger cells where it is flat; refined and measured likewise",
+     mesh_by_vdb},
 }};
 
 }  // namespace

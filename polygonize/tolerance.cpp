@@ -177,14 +177,17 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   ToleranceMesh best;
   std::vector<Diagnostic> remarks;
   const bool walls = creased && has_walls(surface, both_ways.on_surface());
-  double cell = first_cell(thinnest_radius, creased, walls, tolerance);
+  const bool cut_off = creased && !options.follows_creases;
+  double cell = first_cell(thinnest_radius, cut_off, walls, tolerance);
   for (int attempt = 0; attempt < options.most_attempts; ++attempt, cell *= kSmaller) {
     LatticeStatistics statistics;
-    Result<TriangleMesh> mesh = mesh_lattice(
+    Result<TriangleMesh> mesh = options.mesh_cells(
         surface, {cell, options.origin, options.max_nodes, options.max_triangles, options.progress},
         &statistics);
     if (!mesh) {
-      if (best.attempts.empty() || mesh.diagnostics().front().failure == Failure::interrupted) {
+      const Failure why = mesh.diagnostics().front().failure;
+      if (why == Failure::check_failed && attempt + 1 < options.most_attempts) continue;
+      if (best.attempts.empty() || why == Failure::interrupted) {
         return Result<ToleranceMesh>::failure(mesh.diagnostics());
       }
       remarks = mesh.diagnostics();

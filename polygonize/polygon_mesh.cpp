@@ -1,0 +1,215 @@
+#include "polygonize/polygon_mesh.h"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <limits>
+#include <string>
+#include <utility>
+
+#include "libfield/base/check.h"
+#include "polygonize/check.h"
+#include "polygonize/lattice_cells.h"
+#include "polygonize/self_intersection.h"
+#include "polygonize/surface_projection.h"
+#include "polygonize/triangle_sample.h"
+
+namespace cs2mesh {
+namespace {
+
+using Index = PolygonMesh::Index;
+using Triangle = std::array<Index, 3>;
+
+/// Vertices or polygons treated together through one restriction of F.
+constexpr std::size_t kChunk = 256;
+
+template <class F>
+void for_each_chunk(std::size_t count, const Progress* progress, const F& f) {
+  tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+    if (!cancelled(progress)) f(kChunk * chunk, std::min(kChunk * (chunk + 1), count));
+  });
+}
+
+Diagnostic interrupted() {
+  return error_at({}, "interrupted", Failure::interrupted);
+}
+
+Vec3d normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return cross(b - a, c - a);
+}
+
+/// The cosine between the two triangles that a diagonal of a quadrilateral makes of it; corners in
+/// order, the diagonal from p[0] to p[2].
+double flatness(const std::array<Vec3d, 4>& p) {
+  const Vec3d one = normal(p[0], p[1], p[2]), other = normal(p[0], p[2], p[3]);
+  const double lengths = norm(one) * norm(other);
+  return lengths > 0 ? dot(one, other) / lengths : -1.0;
+}
+
+class Settler {
+ public:
+  Settler(const ImplicitSurface& surface, PolygonMesh polygons, const SettleOptions& options)
+      : surface_(surface), polygons_(std::move(polygons)), options_(options) {
+    require(options.reach > 0, "settle: the reach must be positive");
+    require(polygons_.fixed.empty() || polygons_.fixed.size() == polygons_.positions.size(),
+            "settle: all vertices or none are marked");
+  }
+
+  Result<TriangleMesh> run() {
+    mesh_.positions = polygons_.positions;
+    move_to_surface();
+    if (cancelled(options_.progress)) return interrupted();
+    cut();
+    if (cancelled(options_.progress)) return interrupted();
+    if (!uncross()) {
+      return error_at({}, "triangles cross where the cells are too large for the surface",
+                      Failure::check_failed);
+    }
+    CheckOptions cheap;
+    cheap.self_intersections = false;
+    cheap.max_defects = 1;
+    const MeshReport report = check(mesh_, cheap);
+    if (!report.ok()) {
+      return error_at({},
+                      "the mesh has a defect, a " + std::string(name(report.defects.front().kind)),
+                      Failure::check_failed);
+    }
+    return std::move(mesh_);
+  }
+  std::size_t jets() const { return 2 * (moved_ + 2 * quadrilaterals_); }
+
+ private:
+  void move_to_surface() {
+    for_each_chunk(mesh_.positions.size(), options_.progress,
+                   [this](std::size_t first, std::size_t last) {
+                     std::vector<Index> movable;
+                     std::vector<Vec3d> points;
+                     Aabb box;
+                     for (std::size_t v = first; v < last; ++v) {
+                       if (!polygons_.fixed.empty() && polygons_.fixed[v] != 0) continue;
+                       movable.push_back(static_cast<Index>(v));
+                       points.push_back(polygons_.positions[v]);
+                       box.include(points.back());
+                     }
+                     if (points.empty()) return;
+                     box = box.grown(0.25 * options_.reach);
+                     const auto local = surface_.restrict_to(box);
+                     std::vector<Projection> feet(points.size());
+                     project(surface_, *local, box, points, options_.reach, feet);
+                     for (std::size_t i = 0; i < feet.size(); ++i) {
+                       if (feet[i].distance <= options_.reach) {
+                         mesh_.positions[movable[i]] = feet[i].foot;
+                       }
+                     }
+                   });
+    moved_ = mesh_.positions.size();
+  }
+
+  // ---- Cutting ----
+
+  std::array<Vec3d, 4> places(std::span<const Index> quadrilateral) const {
+    std::array<Vec3d, 4> p;
+    for (std::size_t k = 0; k < 4; ++k) p[k] = mesh_.positions[quadrilateral[k]];
+    return p;
+  }
+
+  /// For each quadrilateral of the range whether the diagonal from its second corner is better.
+  void choose_diagonals(std::size_t first, std::size_t last) {
+    std::vector<std::size_t> open;
+    std::vector<Vec3d> middles;
+    Aabb box;
+    for (std::size_t i = first; i < last; ++i) {
+      const std::span<const Index> polygon = polygons_.polygon(i);
+      if (polygon.size() != 4) continue;
+      const std::array<Vec3d, 4> p = places(polygon);
+      open.push_back(i);
+      for (std::size_t k = 0; k < 2; ++k) {
+        middles.push_back(0.5 * (p[k] + p[k + 2]));
+        box.include(middles.back());
+      }
+    }
+    if (open.empty()) return;
+    std::vector<Jet> jets(middles.size());
+    surface_.restrict_to(box)->jets(middles, jets);
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      second_[open[k]] =
+          second_is_better(places(polygons_.polygon(open[k])), jets[2 * k], jets[2 * k + 1]) ? 1
+                                                                                             : 0;
+    }
+  }
+
+  static bool second_is_better(const std::array<Vec3d, 4>& p, const Jet& first, const Jet& second) {
+    // Beyond this angle, 120 degrees, two triangles rather make a fold than a crease.
+    constexpr double kFolded = -0.5;
+    const double flat = flatness(p), other = flatness({p[1], p[2], p[3], p[0]});
+    if ((flat < kFolded || other < kFolded) && flat != other) return other > flat;
+    constexpr double kFar = std::numeric_limits<double>::infinity();
+    return first_order_distance(second, kFar) < first_order_distance(first, kFar);
+  }
+
+  void cut() {
+    second_.assign(polygons_.size(), 0);
+    for_each_chunk(polygons_.size(), options_.progress,
+                   [this](std::size_t first, std::size_t last) { choose_diagonals(first, last); });
+    mesh_.triangles.resize(polygons_.triangle_count());
+    Triangle* out = mesh_.triangles.data();
+    std::vector<Index> rest;
+    for (std::size_t i = 0; i < polygons_.size(); ++i) {
+      const std::span<const Index> p = polygons_.polygon(i);
+      if (p.size() == 4) {
+        ++quadrilaterals_;
+        const std::size_t s = second_[i] != 0 ? 1 : 0;
+        *out++ = {p[s], p[s + 1], p[s + 2]};
+        *out++ = {p[s], p[s + 2], p[(s + 3) % 4]};
+      } else {
+        rest.assign(p.begin(), p.end());
+        triangulate(rest, mesh_.positions, out);
+      }
+    }
+  }
+
+  // ---- Crossing triangles ----
+
+  /// Moves the corners of triangles that cross back to where they came from; false if there are
+  /// still such triangles then. True in a build that cannot tell.
+  bool uncross() {
+    constexpr int kRounds = 4;
+    constexpr std::size_t kMostPairs = 100'000;
+    for (int round = 0; round < kRounds; ++round) {
+      const auto found = find_self_intersections(mesh_, kMostPairs);
+      if (!found || found->count == 0) return true;
+      bool changed = false;
+      for (const auto& pair : found->pairs) {
+        for (const Index t : pair) {
+          for (const Index v : mesh_.triangles[t]) {
+            changed = changed || mesh_.positions[v] != polygons_.positions[v];
+            mesh_.positions[v] = polygons_.positions[v];
+          }
+        }
+      }
+      if (!changed) return false;
+    }
+    return false;
+  }
+
+  const ImplicitSurface& surface_;
+  PolygonMesh polygons_;
+  const SettleOptions& options_;
+  TriangleMesh mesh_;
+  std::vector<char> second_;  ///< by polygon: whether it is cut from its second corner
+  std::size_t moved_ = 0;
+  std::size_t quadrilaterals_ = 0;
+};
+
+}  // namespace
+
+Result<TriangleMesh> settle(const ImplicitSurface& surface, PolygonMesh polygons,
+                            const SettleOptions& options, std::size_t& jets) {
+  Settler settler(surface, std::move(polygons), options);
+  Result<TriangleMesh> mesh = settler.run();
+  jets += settler.jets();
+  return mesh;
+}
+
+}  // namespace cs2mesh
