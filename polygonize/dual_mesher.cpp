@@ -86,6 +86,7 @@ class DualMesher {
 
   bool place_vertices() {
     dual_.positions.resize(first_.back());
+    dual_.retreats.resize(first_.back());
     dual_.fixed.assign(first_.back(), 0);
     return for_each_block(polygons_.size(), progress_, [this](std::size_t b) {
       for (std::size_t i = 0; i < polygons_[b].size(); ++i) place_vertex(b, i);
@@ -105,6 +106,7 @@ class DualMesher {
     middle = middle / static_cast<double>(polygon.size());
     Vec3d& position = dual_.positions[first_[block] + i];
     position = middle;
+    dual_.retreats[first_[block] + i] = middle;
     // Surfaces that turn by this much (25 degrees) within a cell are looked at more closely.
     constexpr double kTurns = 0.9;
     if (polygons_[block].whole[i] == 0 || least_cosine(planes) > kTurns) return;

@@ -54,18 +54,16 @@ class Settler {
     require(options.reach > 0, "settle: the reach must be positive");
     require(polygons_.fixed.empty() || polygons_.fixed.size() == polygons_.positions.size(),
             "settle: all vertices or none are marked");
+    require(polygons_.retreats.empty() || polygons_.retreats.size() == polygons_.positions.size(),
+            "settle: all vertices or none have retreats");
   }
 
   Result<TriangleMesh> run() {
     mesh_.positions = polygons_.positions;
-    move_to_surface();
-    if (cancelled(options_.progress)) return interrupted();
+    for_each_chunk(mesh_.positions.size(), options_.progress,
+                   [this](std::size_t first, std::size_t last) { move_to_surface(first, last); });
     cut();
     if (cancelled(options_.progress)) return interrupted();
-    if (!uncross()) {
-      return error_at({}, "triangles cross where the cells are too large for the surface",
-                      Failure::check_failed);
-    }
     CheckOptions cheap;
     cheap.self_intersections = false;
     cheap.max_defects = 1;
@@ -75,35 +73,33 @@ class Settler {
                       "the mesh has a defect, a " + std::string(name(report.defects.front().kind)),
                       Failure::check_failed);
     }
+    if (!uncross()) {
+      return error_at({}, "triangles cross where the cells are too large for the surface",
+                      Failure::check_failed);
+    }
     return std::move(mesh_);
   }
-  std::size_t jets() const { return 2 * (moved_ + 2 * quadrilaterals_); }
+  std::size_t jets() const { return 2 * (polygons_.positions.size() + quadrilaterals_); }
 
  private:
-  void move_to_surface() {
-    for_each_chunk(mesh_.positions.size(), options_.progress,
-                   [this](std::size_t first, std::size_t last) {
-                     std::vector<Index> movable;
-                     std::vector<Vec3d> points;
-                     Aabb box;
-                     for (std::size_t v = first; v < last; ++v) {
-                       if (!polygons_.fixed.empty() && polygons_.fixed[v] != 0) continue;
-                       movable.push_back(static_cast<Index>(v));
-                       points.push_back(polygons_.positions[v]);
-                       box.include(points.back());
-                     }
-                     if (points.empty()) return;
-                     box = box.grown(0.25 * options_.reach);
-                     const auto local = surface_.restrict_to(box);
-                     std::vector<Projection> feet(points.size());
-                     project(surface_, *local, box, points, options_.reach, feet);
-                     for (std::size_t i = 0; i < feet.size(); ++i) {
-                       if (feet[i].distance <= options_.reach) {
-                         mesh_.positions[movable[i]] = feet[i].foot;
-                       }
-                     }
-                   });
-    moved_ = mesh_.positions.size();
+  void move_to_surface(std::size_t first, std::size_t last) {
+    std::vector<std::size_t> movable;
+    std::vector<Vec3d> points;
+    Aabb box;
+    for (std::size_t v = first; v < last; ++v) {
+      if (!polygons_.fixed.empty() && polygons_.fixed[v] != 0) continue;
+      movable.push_back(v);
+      points.push_back(polygons_.positions[v]);
+      box.include(points.back());
+    }
+    if (points.empty()) return;
+    constexpr double kMostlyWithin = 0.25;  // of the reach
+    box = box.grown(kMostlyWithin * options_.reach);
+    std::vector<Projection> feet(points.size());
+    project(surface_, *surface_.restrict_to(box), box, points, options_.reach, feet);
+    for (std::size_t i = 0; i < feet.size(); ++i) {
+      if (feet[i].distance <= options_.reach) mesh_.positions[movable[i]] = feet[i].foot;
+    }
   }
 
   // ---- Cutting ----
@@ -140,12 +136,17 @@ class Settler {
   }
 
   static bool second_is_better(const std::array<Vec3d, 4>& p, const Jet& first, const Jet& second) {
-    // Beyond this angle, 120 degrees, two triangles rather make a fold than a crease.
-    constexpr double kFolded = -0.5;
-    const double flat = flatness(p), other = flatness({p[1], p[2], p[3], p[0]});
-    if ((flat < kFolded || other < kFolded) && flat != other) return other > flat;
-    constexpr double kFar = std::numeric_limits<double>::infinity();
-    return first_order_distance(second, kFar) < first_order_distance(first, kFar);
+    // A fold of more than a right angle is worth taking where it follows a crease, that is, where
+    // the other diagonal is much farther from the surface.
+    constexpr double kFolded = 0.0, kMuch = 0.1;
+    const double longest = std::max(norm(p[2] - p[0]), norm(p[3] - p[1]));
+    const double d1 = first_order_distance(first, longest);
+    const double d2 = first_order_distance(second, longest);
+    if (std::abs(d1 - d2) < kMuch * longest) {
+      const double flat1 = flatness(p), flat2 = flatness({p[1], p[2], p[3], p[0]});
+      if ((flat1 < kFolded) != (flat2 < kFolded)) return flat1 < kFolded;
+    }
+    return d2 < d1;
   }
 
   void cut() {
@@ -171,11 +172,12 @@ class Settler {
 
   // ---- Crossing triangles ----
 
-  /// Moves the corners of triangles that cross back to where they came from; false if there are
+  /// Moves the corners of triangles that cross out of each other's way; false if there are
   /// still such triangles then. True in a build that cannot tell.
   bool uncross() {
     constexpr int kRounds = 4;
     constexpr std::size_t kMostPairs = 100'000;
+    const auto& back = polygons_.retreats.empty() ? polygons_.positions : polygons_.retreats;
     for (int round = 0; round < kRounds; ++round) {
       const auto found = find_self_intersections(mesh_, kMostPairs);
       if (!found || found->count == 0) return true;
@@ -183,8 +185,8 @@ class Settler {
       for (const auto& pair : found->pairs) {
         for (const Index t : pair) {
           for (const Index v : mesh_.triangles[t]) {
-            changed = changed || mesh_.positions[v] != polygons_.positions[v];
-            mesh_.positions[v] = polygons_.positions[v];
+            changed = changed || mesh_.positions[v] != back[v];
+            mesh_.positions[v] = back[v];
           }
         }
       }
@@ -198,7 +200,6 @@ class Settler {
   const SettleOptions& options_;
   TriangleMesh mesh_;
   std::vector<char> second_;  ///< by polygon: whether it is cut from its second corner
-  std::size_t moved_ = 0;
   std::size_t quadrilaterals_ = 0;
 };
 

@@ -19,8 +19,9 @@ struct PolygonMesh {
   using Index = TriangleMesh::Index;
   std::vector<Vec3d> positions;
   std::vector<char> fixed;  ///< by vertex: whether it stays where it is, as at a crease; or empty
-  std::vector<Index> corners;  ///< polygon after polygon, at least three each
-  std::vector<Index> ends;     ///< by polygon: where its corners end
+  std::vector<Vec3d> retreats;  ///< by vertex: where it goes where triangles cross; or empty
+  std::vector<Index> corners;   ///< polygon after polygon, at least three each
+  std::vector<Index> ends;      ///< by polygon: where its corners end
 
   std::size_t size() const { return ends.size(); }
   std::size_t triangle_count() const { return corners.size() - 2 * ends.size(); }
@@ -37,8 +38,8 @@ struct SettleOptions {
 
 /// Moves the vertices to points of the surface near them (to about 1e-4 of the way moved, mostly
 /// far nearer), and cuts polygons into triangles: quadrilaterals along the diagonal that is nearer
-/// to the surface and does not fold them, others ear by ear. Where triangles cross, vertices move
-/// back to where they came from. Adds the gradients evaluated to `jets`.
+/// to the surface and does not fold them, others ear by ear. Where triangles cross, vertices go to
+/// their retreats, or back to where they came from. Adds the gradients evaluated to `jets`.
 ///
 /// The mesh is closed, oriented outward and 2-manifold, without degenerate triangles and, in a
 /// build that can tell, without self-intersections: all that is checked. Errors:

@@ -7,6 +7,7 @@
 #include <openvdb/tools/VolumeToMesh.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <vector>
@@ -156,7 +157,7 @@ class LevelSet {
 Result<TriangleMesh> mesh_vdb(const ImplicitSurface& surface, const LatticeOptions& options,
                               LatticeStatistics* statistics) {
   // One minus the cosine between normals that one larger cell may hold, and none.
-  constexpr double kAdaptivities[] = {0.02, 0.0};
+  constexpr std::array<double, 2> kAdaptivities{0.01, 0.0};
   Progress* const progress = options.progress;
   const Result<NarrowBand> band =
       NarrowBand::build(surface, {options.cell, options.origin, options.max_nodes, progress});

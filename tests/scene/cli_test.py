@@ -106,6 +106,15 @@ class Meshing(SceneTest):
         self.assertLessEqual(measured["mesh_to_surface_max"], 0.001)
         self.assertLessEqual(measured["surface_to_mesh_max"], 0.001)
 
+    def test_every_mesher_of_the_help(self):
+        scene = self.file("ball.art", BALL)
+        page = self.succeed("help", "mesh").stdout
+        for mesher in ("lattice", "dual", "vdb"):
+            self.assertIn(f"{mesher}: ", page)
+            report = self.report(scene, f"{mesher}.obj", "--mesher", mesher)
+            self.assertIs(report["closed"] and report["manifold"], True)
+            self.assertLessEqual(report["error"]["mesh_to_surface_max"], report["tolerance"])
+
     def test_same_bytes_for_any_number_of_threads(self):
         scene = self.file("ball.art", BALL + "sphere s 0.7 1.2 0.3 0.1\n")
         for threads in (1, 2, 3):
