@@ -55,4 +55,47 @@ void EditableMesh::split_edge(HalfEdge h, const Vec3d& p) {
   join(kept[1], added[0]);
 }
 
+/// Calls f(half-edge) for those that start where `h` does.
+template <class F>
+void EditableMesh::for_each_from(HalfEdge h, const F& f) const {
+  HalfEdge at = h;
+  do {
+    f(at);
+    at = next_in_triangle(opposite_[at]);
+  } while (at != h);
+}
+
+bool EditableMesh::flip_edge(HalfEdge h) {
+  require(h < opposite_.size(), "flip_edge: no such half-edge");
+  const HalfEdge o = opposite_[h];
+  const HalfEdge bc = next_in_triangle(h), ca = next_in_triangle(bc);
+  const HalfEdge ad = next_in_triangle(o), db = next_in_triangle(ad);
+  const Index a = start_of(mesh_, h), b = end_of(mesh_, h);
+  const Index c = start_of(mesh_, ca), d = start_of(mesh_, db);
+  std::size_t at_a = 0, at_b = 0;
+  bool joined = c == d;
+  for_each_from(h, [&](HalfEdge) { ++at_a; });
+  for_each_from(o, [&](HalfEdge) { ++at_b; });
+  for_each_from(ca, [&](HalfEdge e) { joined = joined || end_of(mesh_, e) == d; });
+  if (joined || at_a < 4 || at_b < 4) return false;
+
+  const HalfEdge beyond_bc = opposite_[bc], beyond_ca = opposite_[ca];
+  const HalfEdge beyond_ad = opposite_[ad], beyond_db = opposite_[db];
+  const auto set = [this](HalfEdge e, Index start) {
+    mesh_.triangles[triangle_of(e)][e % 3] = start;
+  };
+  // (a, b, c) becomes (d, c, a), and (b, a, d) becomes (c, d, b).
+  set(h, d);
+  set(bc, c);
+  set(ca, a);
+  set(o, c);
+  set(ad, d);
+  set(db, b);
+  join(bc, beyond_ca);
+  join(ca, beyond_ad);
+  join(ad, beyond_db);
+  join(db, beyond_bc);
+  return true;
+}
+
 }  // namespace cs2mesh

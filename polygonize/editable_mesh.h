@@ -1,4 +1,5 @@
-// A closed mesh whose triangles can be divided one at a time; connectivity is kept up to date.
+// A closed mesh whose triangles can be divided and turned one at a time; connectivity is kept up to
+// date.
 #pragma once
 
 #include <array>
@@ -9,7 +10,8 @@
 
 namespace cs2mesh {
 
-/// Closed, oriented and manifold before and after every operation. Operations are O(1).
+/// Closed, oriented and manifold before and after every operation. Operations are O(1),
+/// for bounded valence.
 class EditableMesh {
  public:
   using Index = TriangleMesh::Index;
@@ -28,8 +30,14 @@ class EditableMesh {
   /// Puts a vertex at `p` and makes it the middle of an edge: both triangles at the edge are cut in
   /// two. Each keeps its number for the part at the start of its half-edge; two are appended.
   void split_edge(HalfEdge h, const Vec3d& p);
+  /// Joins the other two corners of the triangles at an edge instead of its ends; both triangles
+  /// keep their numbers. False, and nothing done, where those are joined already, or where a vertex
+  /// would be left with two triangles.
+  bool flip_edge(HalfEdge h);
 
  private:
+  template <class F>
+  void for_each_from(HalfEdge h, const F& f) const;
   HalfEdge append(Index a, Index b, Index c);
   void join(HalfEdge a, HalfEdge b);
 

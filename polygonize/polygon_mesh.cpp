@@ -14,6 +14,7 @@
 #include "polygonize/self_intersection.h"
 #include "polygonize/surface_projection.h"
 #include "polygonize/triangle_sample.h"
+#include "polygonize/unfold.h"
 
 namespace cs2mesh {
 namespace {
@@ -39,12 +40,16 @@ Vec3d normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return cross(b - a, c - a);
 }
 
-/// The cosine between the two triangles that a diagonal of a quadrilateral makes of it; corners in
-/// order, the diagonal from p[0] to p[2].
-double flatness(const std::array<Vec3d, 4>& p) {
-  const Vec3d one = normal(p[0], p[1], p[2]), other = normal(p[0], p[2], p[3]);
-  const double lengths = norm(one) * norm(other);
-  return lengths > 0 ? dot(one, other) / lengths : -1.0;
+/// How well the two triangles that the diagonal from p[0] to p[2] makes of a quadrilateral face the
+/// outside: the lesser cosine between their normals and that of the surface.
+double facing(const std::array<Vec3d, 4>& p, const Vec3d& gradient) {
+  const double slope = norm(gradient);
+  double least = 1.0;
+  for (const Vec3d& n : {normal(p[0], p[1], p[2]), normal(p[0], p[2], p[3])}) {
+    const double lengths = norm(n) * slope;
+    least = std::min(least, lengths > 0 ? -dot(n, gradient) / lengths : -1.0);
+  }
+  return least;
 }
 
 class Settler {
@@ -60,6 +65,7 @@ class Settler {
 
   Result<TriangleMesh> run() {
     mesh_.positions = polygons_.positions;
+    normals_.resize(mesh_.positions.size());
     for_each_chunk(mesh_.positions.size(), options_.progress,
                    [this](std::size_t first, std::size_t last) { move_to_surface(first, last); });
     cut();
@@ -73,6 +79,7 @@ class Settler {
                       "the mesh has a defect, a " + std::string(name(report.defects.front().kind)),
                       Failure::check_failed);
     }
+    unfold(mesh_, normals_);
     if (!uncross()) {
       return error_at({}, "triangles cross where the cells are too large for the surface",
                       Failure::check_failed);
@@ -98,7 +105,10 @@ class Settler {
     std::vector<Projection> feet(points.size());
     project(surface_, *surface_.restrict_to(box), box, points, options_.reach, feet);
     for (std::size_t i = 0; i < feet.size(); ++i) {
-      if (feet[i].distance <= options_.reach) mesh_.positions[movable[i]] = feet[i].foot;
+      if (!(feet[i].distance <= options_.reach)) continue;
+      mesh_.positions[movable[i]] = feet[i].foot;
+      const double slope = norm(feet[i].gradient);
+      if (slope > 0) normals_[movable[i]] = feet[i].gradient / -slope;
     }
   }
 
@@ -136,15 +146,16 @@ class Settler {
   }
 
   static bool second_is_better(const std::array<Vec3d, 4>& p, const Jet& first, const Jet& second) {
-    // A fold of more than a right angle is worth taking where it follows a crease, that is, where
-    // the other diagonal is much farther from the surface.
-    constexpr double kFolded = 0.0, kMuch = 0.1;
+    // A triangle that looks inwards is worth taking where the other diagonal is much farther from
+    // the surface, as across a crease.
+    constexpr double kMuch = 0.1;
     const double longest = std::max(norm(p[2] - p[0]), norm(p[3] - p[1]));
     const double d1 = first_order_distance(first, longest);
     const double d2 = first_order_distance(second, longest);
     if (std::abs(d1 - d2) < kMuch * longest) {
-      const double flat1 = flatness(p), flat2 = flatness({p[1], p[2], p[3], p[0]});
-      if ((flat1 < kFolded) != (flat2 < kFolded)) return flat1 < kFolded;
+      const double face1 = facing(p, first.gradient);
+      const double face2 = facing({p[1], p[2], p[3], p[0]}, second.gradient);
+      if ((face1 < 0) != (face2 < 0)) return face1 < 0;
     }
     return d2 < d1;
   }
@@ -199,7 +210,8 @@ class Settler {
   PolygonMesh polygons_;
   const SettleOptions& options_;
   TriangleMesh mesh_;
-  std::vector<char> second_;  ///< by polygon: whether it is cut from its second corner
+  std::vector<Vec3d> normals_;  ///< of the surface at the vertices moved
+  std::vector<char> second_;    ///< by polygon: whether it is cut from its second corner
   std::size_t quadrilaterals_ = 0;
 };
 

@@ -38,8 +38,9 @@ struct SettleOptions {
 
 /// Moves the vertices to points of the surface near them (to about 1e-4 of the way moved, mostly
 /// far nearer), and cuts polygons into triangles: quadrilaterals along the diagonal that is nearer
-/// to the surface and does not fold them, others ear by ear. Where triangles cross, vertices go to
-/// their retreats, or back to where they came from. Adds the gradients evaluated to `jets`.
+/// to the surface and does not fold them, others ear by ear. Edges of triangles
+/// that face away from the surface are flipped where that helps. Where triangles cross, vertices go
+/// to their retreats, or back to where they came from. Adds the gradients evaluated to `jets`.
 ///
 /// The mesh is closed, oriented outward and 2-manifold, without degenerate triangles and, in a
 /// build that can tell, without self-intersections: all that is checked. Errors:
