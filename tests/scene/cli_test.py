@@ -37,6 +37,7 @@ class Usage(SceneTest):
             [scene, "out.obj", "--tolerance", "fine"],
             [scene, "out.obj", "--cell", "-1"],
             [scene, "out.obj", "--mesher", "none"],
+            [scene, "out.obj", "--mesher", "dual", "--cell", "0.1"],
             [scene, "out.obj", "--bounds", 0, 0, 0, 1, 1],
             [scene, "out.obj", "--bounds", 0, 0, 0, 1, 1, 0],
             [scene, "out.obj", "-D", "novalue"],
