@@ -127,9 +127,9 @@ class DualMesher {
   bool find_crease(std::size_t block, const Aabb& cell, std::span<const Vec3d> points,
                    std::vector<Plane>& planes, Vec3d& position) {
     constexpr double kSharp = 0.97;  // 14 degrees: what is smooth turns far less that near
-    constexpr double kNear = 0.05;   // of a cell
-    constexpr std::array<double, 2> kShares{0.25, 0.0625};
-    constexpr std::array<double, 3> kCutoffs{0.1, 0.03, 0.01};
+    constexpr double kNear = 0.01;   // of a cell
+    constexpr std::array<double, 3> kShares{0.25, 0.0625, 0.015625};
+    constexpr std::array<double, 4> kCutoffs{0.1, 0.03, 0.01, 0.01};
     const ImplicitSurface& surface = cut_.band.surface(block);
     Vec3d x = cell.clamp(point_near_planes(planes, position, kCutoffs[0]));
     std::vector<Vec3d> nearer(points.size());
@@ -223,18 +223,23 @@ Result<TriangleMesh> mesh_dual(const ImplicitSurface& surface, const LatticeOpti
   if (!cut) return Result<TriangleMesh>::failure(cut.diagnostics());
   DualMesher mesher(**cut, options.progress);
   if (!mesher.run()) return error_at({}, "interrupted", Failure::interrupted);
+  report_mesh(options.progress, 0.9);
   counts.gradient_evaluations += mesher.jets();
   PolygonMesh dual = mesher.take();
   cut->reset();
   if (dual.triangle_count() > options.max_triangles) {
     return too_many_triangles(dual.triangle_count());
   }
-  Result<TriangleMesh> mesh = settle(surface, std::move(dual), {options.cell, options.progress},
-                                     counts.gradient_evaluations);
+  SettleCounts settled;
+  Result<TriangleMesh> mesh =
+      settle(surface, std::move(dual), {options.cell, options.progress}, settled);
+  counts.gradient_evaluations += settled.jets;
+  counts.off_surface = settled.off_surface;
   if (mesh) {
     counts.vertices = mesh->positions.size();
     counts.triangles = mesh->triangles.size();
   }
+  report_mesh(options.progress, 1.0);
   if (statistics != nullptr) *statistics = counts;
   return mesh;
 }

@@ -10,8 +10,8 @@
 //
 // Where the tangent planes at the crossings of a cell agree, its vertex is put on the surface near
 // their middle. Where they do not, it goes to the point nearest to all the planes (plane_fit.h);
-// planes are then taken nearer to that point, twice. If they still do not agree there is a crease,
-// and the vertex stays.
+// planes are then taken nearer to that point, three times. If they still do not agree there is a
+// crease, and the vertex stays.
 #pragma once
 
 #include "libfield/base/result.h"
@@ -22,8 +22,9 @@
 namespace cs2mesh {
 
 /// Meshes {F = 0}; triangles are counter-clockwise seen from {F < 0}. Vertices are on the surface
-/// to about 1e-4 of a cell or better; those at creases to about 1e-2 of a cell where the crease is
-/// curved, exactly where it is straight. The same mesh, to the bit, for any number of threads.
+/// to about 1e-4 of a cell or better; those at creases to 1e-2 of a cell, mostly far nearer,
+/// exactly where the faces are flat; statistics tell how far vertices are off. The same mesh, to
+/// the bit, for any number of threads.
 ///
 /// Requires (ContractViolation): cell > 0, finite or empty bounds. Errors: Failure::limit,
 /// Failure::interrupted; Failure::check_failed where the cell is too large for the surface, so that

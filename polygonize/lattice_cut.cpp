@@ -10,10 +10,6 @@ Diagnostic interrupted() {
   return error_at({}, "interrupted", Failure::interrupted);
 }
 
-void report(Progress* progress, double fraction) {
-  if (progress != nullptr) progress->report("mesh", fraction);
-}
-
 /// Gives every block its place in the mesh; false if there are too many triangles or vertices.
 bool number(std::vector<BlockCells>& blocks, std::size_t max_triangles,
             LatticeStatistics& statistics) {
@@ -49,7 +45,7 @@ Result<std::unique_ptr<LatticeCut>> cut_lattice(const ImplicitSurface& surface,
   counts = {};
 
   // Sample where the surface can be.
-  report(progress, 0.0);
+  report_mesh(progress, 0.0);
   Result<NarrowBand> band =
       NarrowBand::build(surface, {options.cell, options.origin, options.max_nodes, progress});
   if (!band) return Result<std::unique_ptr<LatticeCut>>::failure(band.diagnostics());
@@ -58,7 +54,7 @@ Result<std::unique_ptr<LatticeCut>> cut_lattice(const ImplicitSurface& surface,
   counts.blocks_active = band->counts().blocks_active;
 
   // Clear the nodes next to it.
-  report(progress, 0.4);
+  report_mesh(progress, 0.4);
   auto cut = std::make_unique<LatticeCut>(*std::move(band));
   if (!cut->nodes.settle(progress)) return interrupted();
   counts.gradient_evaluations = cut->nodes.counts().jets;
@@ -66,7 +62,7 @@ Result<std::unique_ptr<LatticeCut>> cut_lattice(const ImplicitSurface& surface,
   counts.stuck_nodes = cut->nodes.counts().stuck;
 
   // Find and number the crossings, then place them.
-  report(progress, 0.6);
+  report_mesh(progress, 0.6);
   LatticeCells& cells = cut->cells;
   std::vector<BlockCells>& blocks = cells.blocks();
   if (!for_each_block(blocks.size(), progress, [&](std::size_t b) { cells.classify(b); })) {
@@ -75,7 +71,7 @@ Result<std::unique_ptr<LatticeCut>> cut_lattice(const ImplicitSurface& surface,
   if (!number(blocks, options.max_triangles, counts)) {
     return too_many_triangles(counts.triangles);
   }
-  report(progress, 0.7);
+  report_mesh(progress, 0.7);
   cut->crossings.resize(counts.vertices);
   const bool placed = for_each_block(
       blocks.size(), progress, [&](std::size_t b) { cells.place_vertices(b, cut->crossings); });
@@ -84,7 +80,7 @@ Result<std::unique_ptr<LatticeCut>> cut_lattice(const ImplicitSurface& surface,
     counts.gradient_evaluations += block.jets;
     counts.clamped_roots += block.clamped;
   }
-  report(progress, 0.9);
+  report_mesh(progress, 0.8);
   return cut;
 }
 

@@ -36,6 +36,11 @@ Result<std::unique_ptr<LatticeCut>> cut_lattice(const ImplicitSurface& surface,
                                                 const LatticeOptions& options,
                                                 LatticeStatistics& statistics);
 
+/// Tells how much of the mesh on cells of one size is done, 0..1.
+inline void report_mesh(Progress* progress, double fraction) {
+  if (progress != nullptr) progress->report("mesh", fraction);
+}
+
 /// Of Failure::limit, for a mesh of that many triangles.
 Diagnostic too_many_triangles(std::size_t triangles);
 

@@ -19,7 +19,7 @@ Result<TriangleMesh> mesh_lattice(const ImplicitSurface& surface, const LatticeO
     cells.make_triangles(b, mesh.positions, mesh.triangles);
   });
   if (!joined) return error_at({}, "interrupted", Failure::interrupted);
-  if (options.progress != nullptr) options.progress->report("mesh", 1.0);
+  report_mesh(options.progress, 1.0);
   if (statistics != nullptr) *statistics = counts;
   return mesh;
 }

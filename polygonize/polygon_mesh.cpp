@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -66,27 +67,26 @@ class Settler {
   Result<TriangleMesh> run() {
     mesh_.positions = polygons_.positions;
     normals_.resize(mesh_.positions.size());
+    on_surface_.assign(mesh_.positions.size(), 0);
     for_each_chunk(mesh_.positions.size(), options_.progress,
                    [this](std::size_t first, std::size_t last) { move_to_surface(first, last); });
     cut();
     if (cancelled(options_.progress)) return interrupted();
-    CheckOptions cheap;
-    cheap.self_intersections = false;
-    cheap.max_defects = 1;
-    const MeshReport report = check(mesh_, cheap);
-    if (!report.ok()) {
-      return error_at({},
-                      "the mesh has a defect, a " + std::string(name(report.defects.front().kind)),
-                      Failure::check_failed);
-    }
+    std::optional<Diagnostic> defect = find_defect();
+    if (defect) return *defect;
     unfold(mesh_, normals_);
     if (!uncross()) {
       return error_at({}, "triangles cross where the cells are too large for the surface",
                       Failure::check_failed);
     }
+    defect = find_defect();
+    if (defect) return *defect;
+    measure_vertices();
     return std::move(mesh_);
   }
-  std::size_t jets() const { return 2 * (polygons_.positions.size() + quadrilaterals_); }
+  SettleCounts counts() const {
+    return {2 * (polygons_.positions.size() + quadrilaterals_), off_surface_};
+  }
 
  private:
   void move_to_surface(std::size_t first, std::size_t last) {
@@ -107,6 +107,7 @@ class Settler {
     for (std::size_t i = 0; i < feet.size(); ++i) {
       if (!(feet[i].distance <= options_.reach)) continue;
       mesh_.positions[movable[i]] = feet[i].foot;
+      on_surface_[movable[i]] = 1;
       const double slope = norm(feet[i].gradient);
       if (slope > 0) normals_[movable[i]] = feet[i].gradient / -slope;
     }
@@ -181,6 +182,30 @@ class Settler {
     }
   }
 
+  // ---- What came of it ----
+
+  std::optional<Diagnostic> find_defect() const {
+    CheckOptions cheap;
+    cheap.self_intersections = false;
+    cheap.max_defects = 1;
+    const MeshReport report = check(mesh_, cheap);
+    if (report.ok()) return std::nullopt;
+    return error_at({},
+                    "the mesh has a defect, a " + std::string(name(report.defects.front().kind)),
+                    Failure::check_failed);
+  }
+
+  void measure_vertices() {
+    std::vector<double> distances(mesh_.positions.size(), 0.0);
+    tbb::parallel_for(std::size_t{0}, distances.size(), [&](std::size_t v) {
+      if (on_surface_[v] != 0 || cancelled(options_.progress)) return;
+      const Vec3d& p = mesh_.positions[v];
+      const double first_order = first_order_distance(surface_.jet(p), options_.reach);
+      distances[v] = find_foot(surface_, p, first_order).distance;
+    });
+    for (const double distance : distances) off_surface_ = std::max(off_surface_, distance);
+  }
+
   // ---- Crossing triangles ----
 
   /// Moves the corners of triangles that cross out of each other's way; false if there are
@@ -198,6 +223,7 @@ class Settler {
           for (const Index v : mesh_.triangles[t]) {
             changed = changed || mesh_.positions[v] != back[v];
             mesh_.positions[v] = back[v];
+            on_surface_[v] = 0;
           }
         }
       }
@@ -213,15 +239,17 @@ class Settler {
   std::vector<Vec3d> normals_;  ///< of the surface at the vertices moved
   std::vector<char> second_;    ///< by polygon: whether it is cut from its second corner
   std::size_t quadrilaterals_ = 0;
+  std::vector<char> on_surface_;  ///< by vertex: whether it was moved there, and left there
+  double off_surface_ = 0.0;
 };
 
 }  // namespace
 
 Result<TriangleMesh> settle(const ImplicitSurface& surface, PolygonMesh polygons,
-                            const SettleOptions& options, std::size_t& jets) {
+                            const SettleOptions& options, SettleCounts& counts) {
   Settler settler(surface, std::move(polygons), options);
   Result<TriangleMesh> mesh = settler.run();
-  jets += settler.jets();
+  counts = settler.counts();
   return mesh;
 }
 

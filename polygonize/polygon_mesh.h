@@ -31,6 +31,11 @@ struct PolygonMesh {
   }
 };
 
+struct SettleCounts {
+  std::size_t jets = 0;      ///< evaluations; few more than these
+  double off_surface = 0.0;  ///< largest distance of a vertex from the surface, scene units
+};
+
 struct SettleOptions {
   double reach = 0.0;  ///< farthest that a vertex is moved, scene units, > 0
   Progress* progress = nullptr;
@@ -38,15 +43,15 @@ struct SettleOptions {
 
 /// Moves the vertices to points of the surface near them (to about 1e-4 of the way moved, mostly
 /// far nearer), and cuts polygons into triangles: quadrilaterals along the diagonal that is nearer
-/// to the surface and does not fold them, others ear by ear. Edges of triangles
-/// that face away from the surface are flipped where that helps. Where triangles cross, vertices go
-/// to their retreats, or back to where they came from. Adds the gradients evaluated to `jets`.
+/// to the surface and does not fold them, others ear by ear. Edges of triangles that face
+/// away from the surface are flipped where that helps. Where triangles cross, vertices go to their
+/// retreats, or back to where they came from: `counts` says how far off that leaves them.
 ///
 /// The mesh is closed, oriented outward and 2-manifold, without degenerate triangles and, in a
 /// build that can tell, without self-intersections: all that is checked. Errors:
 /// Failure::check_failed where it is not so, Failure::interrupted. The same mesh, to the bit, for
 /// any number of threads. About 4 jets a vertex, and a search for self-intersections.
 Result<TriangleMesh> settle(const ImplicitSurface& surface, PolygonMesh polygons,
-                            const SettleOptions& options, std::size_t& jets);
+                            const SettleOptions& options, SettleCounts& counts);
 
 }  // namespace cs2mesh

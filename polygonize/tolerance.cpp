@@ -198,7 +198,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
     if (cancelled(options.progress)) {
       return error_at({}, "interrupted", Failure::interrupted);
     }
-    const double error = std::max(back, estimate.largest_distance(surface, *mesh));
+    const double error =
+        std::max({back, statistics.off_surface, estimate.largest_distance(surface, *mesh)});
     const bool better = best.attempts.empty() || error < best.error;
     best.attempts.push_back({cell, error, mesh->triangles.size()});
     if (better) {

@@ -159,6 +159,7 @@ Result<TriangleMesh> mesh_vdb(const ImplicitSurface& surface, const LatticeOptio
   // One minus the cosine between normals that one larger cell may hold, and none.
   constexpr std::array<double, 2> kAdaptivities{0.01, 0.0};
   Progress* const progress = options.progress;
+  report_mesh(progress, 0.0);
   const Result<NarrowBand> band =
       NarrowBand::build(surface, {options.cell, options.origin, options.max_nodes, progress});
   if (!band) return Result<TriangleMesh>::failure(band.diagnostics());
@@ -166,9 +167,11 @@ Result<TriangleMesh> mesh_vdb(const ImplicitSurface& surface, const LatticeOptio
   counts.value_evaluations = band->counts().nodes_evaluated;
   counts.blocks_tested = band->counts().blocks_tested;
   counts.blocks_active = band->counts().blocks_active;
+  report_mesh(progress, 0.4);
   LevelSet level_set(*band, progress);
   if (!level_set.fill()) return interrupted();
   counts.gradient_evaluations = level_set.jets();
+  report_mesh(progress, 0.7);
   Result<TriangleMesh> mesh = TriangleMesh{};
   for (const double adaptivity : kAdaptivities) {
     if (cancelled(progress)) return interrupted();
@@ -176,14 +179,17 @@ Result<TriangleMesh> mesh_vdb(const ImplicitSurface& surface, const LatticeOptio
     if (polygons.triangle_count() > options.max_triangles) {
       return too_many_triangles(polygons.triangle_count());
     }
-    mesh =
-        settle(surface, std::move(polygons), {options.cell, progress}, counts.gradient_evaluations);
+    SettleCounts settled;
+    mesh = settle(surface, std::move(polygons), {options.cell, progress}, settled);
+    counts.gradient_evaluations += settled.jets;
+    counts.off_surface = settled.off_surface;
     if (mesh || mesh.diagnostics().front().failure != Failure::check_failed) break;
   }
   if (mesh) {
     counts.vertices = mesh->positions.size();
     counts.triangles = mesh->triangles.size();
   }
+  report_mesh(progress, 1.0);
   if (statistics != nullptr) *statistics = counts;
   return mesh;
 }

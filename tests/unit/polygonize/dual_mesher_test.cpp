@@ -55,8 +55,8 @@ TEST(DualMesher, ACurvedCreaseIsFollowed) {
   for (const Vec3d& p : mesh->positions) {
     const double from_saddle = std::abs(p.x * p.x - p.y * p.y - p.z);
     const double from_sphere = std::abs(norm(p) - 1);
-    EXPECT_LE(std::min(from_saddle, from_sphere), 0.02 * cell);
-    if (std::max(from_saddle, from_sphere) < 0.02 * cell) ++on_crease;
+    EXPECT_LE(std::min(from_saddle, from_sphere), 2e-3 * cell);
+    if (std::max(from_saddle, from_sphere) < 2e-3 * cell) ++on_crease;
   }
   EXPECT_GT(on_crease, 50);
 }
@@ -86,6 +86,7 @@ TEST(DualMesher, CountsWhatItEvaluates) {
   ASSERT_TRUE(mesh);
   EXPECT_EQ(statistics.vertices, mesh->positions.size());
   EXPECT_EQ(statistics.triangles, mesh->triangles.size());
+  EXPECT_EQ(statistics.off_surface, 0.0);
   EXPECT_GT(statistics.gradient_evaluations, statistics.vertices);
   EXPECT_EQ(check(*mesh).genus, 1);
 }

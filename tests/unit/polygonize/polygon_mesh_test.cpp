@@ -48,12 +48,14 @@ PolygonMesh cube_of_quadrilaterals(double half_side, int parts) {
 }
 
 TEST(PolygonMesh, SettlesOnASphere) {
-  std::size_t jets = 0;
-  const auto mesh = settle(Surface<Sphere>{}, cube_of_quadrilaterals(0.8, 6), {.reach = 1.0}, jets);
+  SettleCounts counts;
+  const auto mesh =
+      settle(Surface<Sphere>{}, cube_of_quadrilaterals(0.8, 6), {.reach = 1.0}, counts);
   ASSERT_TRUE(mesh);
   EXPECT_TRUE(check(*mesh).ok());
   EXPECT_EQ(mesh->triangles.size(), 2U * 6 * 36);
-  EXPECT_GT(jets, mesh->positions.size());
+  EXPECT_GT(counts.jets, mesh->positions.size());
+  EXPECT_EQ(counts.off_surface, 0.0);
   for (const Vec3d& p : mesh->positions) EXPECT_NEAR(norm(p), 1.0, 1e-4);
 }
 
@@ -61,10 +63,11 @@ TEST(PolygonMesh, FixedVerticesStay) {
   PolygonMesh polygons = cube_of_quadrilaterals(0.8, 6);
   polygons.fixed.assign(polygons.positions.size(), 0);
   polygons.fixed[7] = 1;
-  std::size_t jets = 0;
-  const auto mesh = settle(Surface<Sphere>{}, polygons, {.reach = 1.0}, jets);
+  SettleCounts counts;
+  const auto mesh = settle(Surface<Sphere>{}, polygons, {.reach = 1.0}, counts);
   ASSERT_TRUE(mesh);
   EXPECT_EQ(mesh->positions[7], polygons.positions[7]);
+  EXPECT_NEAR(counts.off_surface, std::abs(norm(polygons.positions[7]) - 1), 1e-3);
   EXPECT_NEAR(norm(mesh->positions[8]), 1.0, 1e-4);
 }
 
@@ -76,8 +79,8 @@ TEST(PolygonMesh, DiagonalsFollowTheSurface) {
   for (Vec3d& p : polygons.positions) {
     if (p.x * p.y > 0) p = 1.2 * p;
   }
-  std::size_t jets = 0;
-  const auto mesh = settle(sphere, polygons, {.reach = 0.1}, jets);
+  SettleCounts counts;
+  const auto mesh = settle(sphere, polygons, {.reach = 0.1}, counts);
   ASSERT_TRUE(mesh);
   // The top is convex where it is cut from far corner to far corner.
   for (const auto& t : mesh->triangles) {
@@ -91,11 +94,11 @@ TEST(PolygonMesh, DiagonalsFollowTheSurface) {
 }
 
 TEST(PolygonMesh, WhatIsNotAClosedManifoldIsRefused) {
-  std::size_t jets = 0;
+  SettleCounts counts;
   PolygonMesh open = cube_of_quadrilaterals(0.8, 3);
   open.ends.pop_back();
   open.corners.resize(open.ends.back());
-  auto mesh = settle(Surface<Sphere>{}, open, {.reach = 1.0}, jets);
+  auto mesh = settle(Surface<Sphere>{}, open, {.reach = 1.0}, counts);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.diagnostics().front().failure, Failure::check_failed);
 
@@ -123,7 +126,7 @@ TEST(PolygonMesh, WhatIsNotAClosedManifoldIsRefused) {
   for (const auto v : other.corners) pinched.corners.push_back(renamed[v]);
   for (const auto end : other.ends) pinched.ends.push_back(24 + end);
   pinched.fixed.assign(pinched.positions.size(), 1);
-  mesh = settle(Surface<Sphere>{}, pinched, {.reach = 1.0}, jets);
+  mesh = settle(Surface<Sphere>{}, pinched, {.reach = 1.0}, counts);
   ASSERT_FALSE(mesh);
   EXPECT_EQ(mesh.diagnostics().front().failure, Failure::check_failed);
 }
