@@ -62,10 +62,10 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
   fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
                        : scene.mesh.tolerance ? *scene.mesh.tolerance
                                               : kDefaultTolerance * diagonal;
-  // A tolerance on the command line wins over the scene's cell.
+  // A tolerance or a mesher on the command line wins over the scene's cell.
   if (request.cell) {
     fineness.cell = request.cell->absolute(diagonal);
-  } else if (scene.mesh.cell && !request.tolerance) {
+  } else if (scene.mesh.cell && !request.tolerance && fineness.mesher == &meshers().front()) {
     fineness.cell = *scene.mesh.cell;
   }
   return fineness;

@@ -12,9 +12,10 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
       app, "--tolerance", request.tolerance,
       "largest distance between mesh and surface, both ways: scene units, or % of the "
       "scene's diagonal (default: the scene's `mesh tolerance`, or 0.1%)");
-  add_length_option(app, "--cell", request.cell,
-                    "side of the grid's cells, over what the tolerance suggests (default: the "
-                    "scene's `mesh cell`, or chosen)");
+  CLI::Option* cell =
+      add_length_option(app, "--cell", request.cell,
+                        "side of the grid's cells, over what the tolerance suggests (default: the "
+                        "scene's `mesh cell`, or chosen)");
   std::vector<std::string> names;
   std::string promises;
   for (const Mesher& mesher : meshers()) {
@@ -25,6 +26,7 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
          "--mesher", request.mesher,
          "how the surface is cut into triangles (default: " + names.front() + ")" + promises)
       ->check(CLI::IsMember(names))
+      ->excludes(cell)
       ->type_name("NAME");
   app.add_flag("--verify", request.verify,
                "measure the result with rays before anything is written; status 5 if it is off");

@@ -111,7 +111,9 @@ bool EditableMesh::can_flip(HalfEdge h) const {
   return free && valence_above_three(h) && valence_above_three(back);
 }
 
-void EditableMesh::flip_edge(HalfEdge h) {
+bool EditableMesh::flip_edge(HalfEdge h) {
+  require(h < opposite_.size(), "flip_edge: no such half-edge");
+  if (!can_flip(h)) return false;
   // a -> b -> c and b -> a -> d become d -> c -> a ... with h from d to c.
   const HalfEdge back = opposite_[h];
   const HalfEdge bc = next_in_triangle(h), ca = before_in_triangle(h);
@@ -128,6 +130,7 @@ void EditableMesh::flip_edge(HalfEdge h) {
   join(ca, beyond_ad);
   join(ad, beyond_db);
   join(db, beyond_bc);
+  return true;
 }
 
 TriangleMesh EditableMesh::take(std::vector<Index>* kept) {

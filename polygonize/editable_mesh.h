@@ -48,10 +48,13 @@ class EditableMesh {
   bool can_collapse(HalfEdge h) const;
   /// Moves a into b: the two triangles at the edge and a are gone. Contract: can_collapse(h).
   void collapse_edge(HalfEdge h);
-  /// Whether the other diagonal of the two triangles at an edge is no edge yet.
+  /// Whether the other two corners of the triangles at an edge are not joined yet, and no vertex
+  /// would be left with two triangles.
   bool can_flip(HalfEdge h) const;
-  /// Replaces the edge by that diagonal: h runs along it then. Contract: can_flip(h).
-  void flip_edge(HalfEdge h);
+  /// Joins the other two corners of the triangles at an edge instead of its ends; both triangles
+  /// keep their numbers, and h runs along the new edge. False, and nothing done, unless
+  /// can_flip(h).
+  bool flip_edge(HalfEdge h);
 
  private:
   static constexpr Index kGone = ~Index{0};

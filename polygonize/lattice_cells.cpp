@@ -176,41 +176,64 @@ std::uint32_t LatticeCells::split_edge_vertex(std::size_t index, const SplitCell
          static_cast<std::uint32_t>(std::popcount(before));
 }
 
-void LatticeCells::make_triangles(std::size_t index, std::span<const Vec3d> positions,
-                                  std::span<std::array<TriangleMesh::Index, 3>> triangles) const {
-  const BlockCells& block = blocks_[index];
-  if (block.triangles == 0) return;
-  std::array<TriangleMesh::Index, 3>* out = triangles.data() + block.first_triangle;
+/// Calls f(offset of the cell, whether it is whole, polygon) for the polygons of a block; f may use
+/// up the polygon.
+template <class F>
+void LatticeCells::for_each_polygon(std::size_t index, F&& f) const {
   std::array<std::uint32_t, 8> polygon;
-  const auto emit = [&](const CellCase& cell, const CellTable& table, auto&& vertex_of) {
+  const auto pass = [&](int offset, bool whole, const CellCase& cell, const CellTable& table,
+                        auto&& vertex_of) {
     for (std::size_t i = 0; i < cell.cycle_count; ++i) {
       const CellCycle& cycle = cell.cycles[i];
       for (std::size_t k = 0; k < cycle.length; ++k) {
         const auto& edge = table.edges[cycle.edge[k]];
         polygon[k] = vertex_of(edge[0], edge[1]);
       }
-      triangulate({polygon.data(), cycle.length}, positions, out);
+      f(offset, whole, std::span(polygon).first(cycle.length));
     }
   };
 
   const CellTable& cube = cube_table();
-  auto split = block.splits.begin();
+  auto split = blocks_[index].splits.begin();
   for_each_mixed_cell(nodes_.padded_inside(index), [&](int offset, unsigned corners) {
     const CellCase& cell = cube.cases[corners];
     if (!cell.ambiguous) {
-      emit(cell, cube, [&](int a, int b) { return lattice_edge_vertex(index, offset, a, b); });
+      pass(offset, true, cell, cube,
+           [&](int a, int b) { return lattice_edge_vertex(index, offset, a, b); });
       return;
     }
     for_each_piece(inside_of(*split),
                    [&](const CellCase& piece, const CellTable& table, const SubCell& sub) {
-                     emit(piece, table, [&](int a, int b) {
+                     pass(offset, false, piece, table, [&](int a, int b) {
                        return split_edge_vertex(index, *split, sub.corner[a], sub.corner[b]);
                      });
                    });
     ++split;
   });
+}
+
+void LatticeCells::make_triangles(std::size_t index, std::span<const Vec3d> positions,
+                                  std::span<std::array<TriangleMesh::Index, 3>> triangles) const {
+  const BlockCells& block = blocks_[index];
+  if (block.triangles == 0) return;
+  std::array<TriangleMesh::Index, 3>* out = triangles.data() + block.first_triangle;
+  for_each_polygon(index, [&](int, bool, std::span<std::uint32_t> polygon) {
+    triangulate(polygon, positions, out);
+  });
   require(out == triangles.data() + block.first_triangle + block.triangles,
           "LatticeCells: triangles miscounted");
+}
+
+CellPolygons LatticeCells::polygons(std::size_t index) const {
+  CellPolygons all;
+  if (blocks_[index].triangles == 0) return all;
+  for_each_polygon(index, [&](int offset, bool whole, std::span<std::uint32_t> polygon) {
+    all.corners.insert(all.corners.end(), polygon.begin(), polygon.end());
+    all.ends.push_back(static_cast<std::uint32_t>(all.corners.size()));
+    all.offsets.push_back(static_cast<std::uint16_t>(offset));
+    all.whole.push_back(whole ? 1 : 0);
+  });
+  return all;
 }
 
 void triangulate(std::span<std::uint32_t> polygon, std::span<const Vec3d> positions,

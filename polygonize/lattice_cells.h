@@ -45,6 +45,21 @@ struct BlockCells {
   }
 };
 
+/// The closed polygons in which the surface meets the cells of a block, counter-clockwise seen from
+/// outside.
+struct CellPolygons {
+  std::vector<std::uint32_t> corners;  ///< vertices of the mesh, polygon after polygon
+  std::vector<std::uint32_t> ends;     ///< by polygon: where its corners end
+  std::vector<std::uint16_t> offsets;  ///< by polygon: the lowest node of its cell
+  std::vector<char> whole;             ///< by polygon: whether of a cell, not of a piece of one
+
+  std::size_t size() const { return ends.size(); }
+  std::span<const std::uint32_t> polygon(std::size_t i) const {
+    const std::size_t first = i == 0 ? 0 : ends[i - 1];
+    return std::span(corners).subspan(first, ends[i] - first);
+  }
+};
+
 /// The extraction of a mesh from settled nodes, block by block; each step needs the one before to
 /// be done for all blocks.
 class LatticeCells {
@@ -60,6 +75,9 @@ class LatticeCells {
   /// Writes the triangles of a block at first_triangle.
   void make_triangles(std::size_t block, std::span<const Vec3d> positions,
                       std::span<std::array<TriangleMesh::Index, 3>> triangles) const;
+  /// The polygons that make_triangles() cuts. Every edge between two vertices is a side of exactly
+  /// two of all polygons, once in each direction; no two polygons share more than one.
+  CellPolygons polygons(std::size_t block) const;
 
  private:
   /// A node by its block and its place there.
@@ -70,6 +88,8 @@ class LatticeCells {
   NodeRef node_at(std::size_t block, const Int3& local) const;
   void add_split(std::size_t block, int offset, unsigned inside);
   void settle_centres(std::size_t block);
+  template <class F>
+  void for_each_polygon(std::size_t block, F&& f) const;
   std::uint32_t lattice_edge_vertex(std::size_t block, int offset, int a, int b) const;
   std::uint32_t split_edge_vertex(std::size_t block, const SplitCell& cell, int a, int b) const;
 

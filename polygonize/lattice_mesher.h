@@ -34,6 +34,7 @@ struct LatticeStatistics {
   std::size_t stuck_nodes = 0;    ///< near the surface, with no clearer place around
   std::size_t split_cells = 0;    ///< with an ambiguous face
   std::size_t clamped_roots = 0;  ///< vertices moved by 1e-6 of an edge off its end
+  double off_surface = 0.0;       ///< largest distance of other vertices from the surface
   std::size_t vertices = 0;
   std::size_t triangles = 0;
 };

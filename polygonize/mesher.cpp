@@ -4,7 +4,9 @@
 #include <array>
 
 #include "polygonize/adaptive_mesher.h"
+#include "polygonize/dual_mesher.h"
 #include "polygonize/tolerance.h"
+#include "polygonize/vdb_mesher.h"
 
 namespace cs2mesh {
 namespace {
@@ -13,11 +15,29 @@ Result<MesherResult> mesh_by_octree(const ImplicitSurface& surface, const Mesher
   return mesh_adaptive(surface, request);
 }
 
-constexpr std::array<Mesher, 2> kMeshers{{
+Result<MesherResult> mesh_by_dual(const ImplicitSurface& surface, const MesherRequest& request) {
+  ToleranceOptions options;
+  options.mesh_cells = mesh_dual;
+  options.follows_creases = true;
+  return mesh_on_cells(surface, request, options);
+}
+
+Result<MesherResult> mesh_by_vdb(const ImplicitSurface& surface, const MesherRequest& request) {
+  ToleranceOptions options;
+  options.mesh_cells = mesh_vdb;
+  return mesh_on_cells(surface, request, options);
+}
+
+constexpr std::array<Mesher, 4> kMeshers{{
     {"adaptive", "cells that follow the surface, as few triangles as the tolerance allows",
      mesh_by_octree},
     {"lattice", "cells of one size, refined where the mesh is too far; measured both ways",
      mesh_by_lattice},
+    {"dual", "a vertex in each cell, on creases where there are any; refined and measured likewise",
+     mesh_by_dual},
+    {"vdb",
+     "an OpenVDB level set, with larger cells where it is flat; refined and measured likewise",
+     mesh_by_vdb},
 }};
 
 }  // namespace

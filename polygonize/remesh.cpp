@@ -246,10 +246,7 @@ class Remesher {
       std::size_t flipped = 0;
       for (HalfEdge h = 0; h < half_edge_count(); ++h) {
         if (!mesh_.alive(triangle_of(h)) || mesh_.opposite(h) < h) continue;
-        if (should_flip(h)) {
-          mesh_.flip_edge(h);
-          ++flipped;
-        }
+        if (should_flip(h) && mesh_.flip_edge(h)) ++flipped;
       }
       statistics.flips += flipped;
       if (flipped == 0) break;
@@ -265,8 +262,7 @@ class Remesher {
     if (!faces_outward(d, c, a) || !faces_outward(c, d, b)) return false;
     const double now = std::max(deviation_of(a, b, c), deviation_of(b, a, d));
     const double then = std::max(deviation_of(d, c, a), deviation_of(c, d, b));
-    if (then > now && then > kAim * options_.tolerance) return false;
-    return mesh_.can_flip(h);
+    return !(then > now && then > kAim * options_.tolerance);
   }
 
   /// Of the angle at a.
@@ -318,8 +314,7 @@ class Remesher {
       const HalfEdge back = mesh_.opposite(h);
       const Index a = start(h), b = end(h);
       const Index c = end(next_in_triangle(h)), d = end(next_in_triangle(back));
-      if (c != d && faces_outward(d, c, a) && faces_outward(c, d, b) && mesh_.can_flip(h)) {
-        mesh_.flip_edge(h);
+      if (c != d && faces_outward(d, c, a) && faces_outward(c, d, b) && mesh_.flip_edge(h)) {
         ++statistics.flips;
         return true;
       }

@@ -14,6 +14,9 @@
 namespace cs2mesh {
 namespace {
 
+/// Leaves that may hold surface are of this level at least, so that the centres of the outermost
+/// leaves are in the air around the bounds.
+constexpr int kLeastLevel = 4;
 /// Restrictions reach this far beyond their cell, in its sides.
 constexpr double kMargin = 0.25;
 
@@ -31,10 +34,10 @@ bool fits(double side, double turn, double tolerance) {
 
 /// The cube in which the octree begins: the bounds with room for a leaf of air around, and off
 /// their middle, for symmetric shapes have their singular places there.
-Octree root_around(const Aabb& box, double smallest) {
+Octree root_around(const Aabb& box) {
   const Vec3d extent = box.extent();
   const double width = std::max({extent.x, extent.y, extent.z});
-  const double side = std::max(1.2 * width, 4 * smallest);
+  const double side = 1.2 * width;
   const Vec3d shift{0.5 * (side - extent.x) - 0.0137 * side,
                     0.5 * (side - extent.y) - 0.0219 * side,
                     0.5 * (side - extent.z) - 0.0171 * side};
@@ -159,7 +162,8 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
       turn = std::max(turn,
                       turn_between(normal, at, normalized(other.jet.gradient), boxes[j].center()));
     }
-    const bool small = side <= options.largest && fits(side, turn, options.tolerance);
+    const bool small = octree_[cell].level + 1 >= kLeastLevel && side <= options.largest &&
+                       fits(side, turn, options.tolerance);
     if (options.prove && (small || !may_cut)) {
       ++opened.counts.slopes;
       if (opened.surface->least_slope(boxes[i], normal) > 0) child.kind = LeafKind::simple;
@@ -304,11 +308,13 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
 }
 
 Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
-                                           const SurfaceOctreeOptions& options) {
+                                           const SurfaceOctreeOptions& asked) {
+  SurfaceOctreeOptions options = asked;
   require(options.tolerance > 0 && options.smallest > 0, "SurfaceOctree: lengths must be positive");
   const Aabb box = surface.bounds();
   require(!box.empty() && box.finite(), "SurfaceOctree: the surface must have finite bounds");
-  SurfaceOctree tree(root_around(box, options.smallest));
+  SurfaceOctree tree(root_around(box));
+  options.smallest = std::min(options.smallest, std::ldexp(tree.octree_.side(0), -kLeastLevel - 1));
   tree.surfaces_.emplace_back(std::shared_ptr<const ImplicitSurface>(), &surface);
   tree.surface_boxes_.push_back(tree.octree_.box(0));
   tree.surface_of_.push_back(0);

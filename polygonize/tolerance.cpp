@@ -178,14 +178,17 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   ToleranceMesh best;
   std::vector<Diagnostic> remarks;
   const bool walls = creased && has_walls(surface, both_ways.on_surface());
-  double cell = first_cell(thinnest_radius, creased, walls, tolerance);
+  const bool cut_off = creased && !options.follows_creases;
+  double cell = first_cell(thinnest_radius, cut_off, walls, tolerance);
   for (int attempt = 0; attempt < options.most_attempts; ++attempt, cell *= kSmaller) {
     LatticeStatistics statistics;
-    Result<TriangleMesh> mesh = mesh_lattice(
+    Result<TriangleMesh> mesh = options.mesh_cells(
         surface, {cell, options.origin, options.max_nodes, options.max_triangles, options.progress},
         &statistics);
     if (!mesh) {
-      if (best.attempts.empty() || mesh.diagnostics().front().failure == Failure::interrupted) {
+      const Failure why = mesh.diagnostics().front().failure;
+      if (why == Failure::check_failed && attempt + 1 < options.most_attempts) continue;
+      if (best.attempts.empty() || why == Failure::interrupted) {
         return Result<ToleranceMesh>::failure(mesh.diagnostics());
       }
       remarks = mesh.diagnostics();
@@ -196,7 +199,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
     if (cancelled(options.progress)) {
       return error_at({}, "interrupted", Failure::interrupted);
     }
-    const double error = std::max(back, estimate.largest_distance(surface, *mesh));
+    const double error =
+        std::max({back, statistics.off_surface, estimate.largest_distance(surface, *mesh)});
     const bool better = best.attempts.empty() || error < best.error;
     best.attempts.push_back({cell, error, mesh->triangles.size()});
     if (better) {
@@ -212,8 +216,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   return {std::move(best), std::move(remarks)};
 }
 
-Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
-  ToleranceOptions options;
+Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherRequest& request,
+                                   ToleranceOptions options) {
   options.max_nodes = request.max_nodes;
   options.max_triangles = request.max_triangles;
   options.progress = request.progress;
@@ -228,6 +232,10 @@ Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const Meshe
   result.gradients = made->statistics.gradient_evaluations;
   result.mesh = std::move(made->mesh);
   return {std::move(result), made.diagnostics()};
+}
+
+Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
+  return mesh_on_cells(surface, request, {});
 }
 
 }  // namespace cs2mesh

@@ -1,4 +1,4 @@
-// A mesh to a tolerance: a lattice mesh on cells that suit the shape, refined where it is too far
+// A mesh to a tolerance: a mesh on cells that suit the shape, refined where it is too far
 // from the surface, measured, and made anew on smaller cells if need be.
 #pragma once
 
@@ -37,12 +37,21 @@ class GradientEstimate final : public DistanceEstimate {
   double closer_;
 };
 
+/// A way of meshing a surface on cells of one size; as mesh_lattice(), but that it may also fail
+/// with Failure::check_failed, where the cell does not suit the surface.
+using CellMesher = Result<TriangleMesh> (*)(const ImplicitSurface& surface,
+                                            const LatticeOptions& options,
+                                            LatticeStatistics* statistics);
+
 struct ToleranceOptions {
   Vec3d origin{};  ///< a node of the lattice
   std::size_t max_nodes = 400'000'000;
   std::size_t max_triangles = 50'000'000;
   /// Lattices tried at most.
   int most_attempts = 4;
+  CellMesher mesh_cells = mesh_lattice;
+  /// Whether those meshes have an edge along each crease, so that it does not limit the cell.
+  bool follows_creases = false;
   /// Samples of the surface, found without the mesh, from which its lost pieces are looked for;
   /// there are nine times as many around those that are far.
   std::size_t surface_samples = 100'000;
@@ -76,18 +85,22 @@ double expected_cell(double radius, bool creased, double tolerance);
 /// by options.estimate. `thinnest_radius` is the smallest radius of its elements, > 0 (else
 /// ContractViolation), in scene units.
 ///
-/// The first cell is somewhat larger than a lattice mesh of the whole surface would need; refine()
+/// The first cell is somewhat larger than a mesh on cells of the whole surface would need; refine()
 /// makes up for that where it matters. Then the mesh is looked at from both sides, and where there
 /// is surface too far from it, points of that are inserted, a few times. If that is not enough, all
 /// is done again on a smaller cell. A mesh is taken when its estimate is within 0.92 of the
 /// tolerance. If the tolerance is not reached, the mesh of the smallest error comes with a warning
-/// of Failure::tolerance and reached == false. Errors: those of mesh_lattice(); but where a retry
-/// runs into a limit, the best mesh before it is returned, with the limit's message as a warning.
+/// of Failure::tolerance and reached == false. Errors: those of options.mesh_cells,
+/// Failure::check_failed if that befalls every cell; but where a retry runs into a limit, the best
+/// mesh before it is returned, with the limit's message as a warning.
 Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double thinnest_radius,
                                         bool creased, double tolerance,
                                         const ToleranceOptions& options = {});
 
-/// The same as one of the meshers() (mesher.h).
+/// The same as meshers() are asked and answer (mesher.h); their limits replace those of `options`.
+Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherRequest& request,
+                                   ToleranceOptions options);
+/// With the lattice mesher.
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request);
 
 }  // namespace cs2mesh

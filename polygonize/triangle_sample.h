@@ -28,14 +28,23 @@ inline Vec3d sample_point(const TriangleMesh& mesh, std::size_t triangle) {
   return (weight[0] / sum) * p[0] + (weight[1] / sum) * p[1] + (weight[2] / sum) * p[2];
 }
 
-/// Points all over a triangle, for a closer look: the middles of its edges, its centroid, and the
+/// Points all over a triangle, for a closer look: on its edges half way and a quarter from either
+/// end (a chord across a crease is mostly farthest from it off its middle), its centroid, and the
 /// points half way from that to the corners.
-inline std::array<Vec3d, 7> closer_points(const TriangleMesh& mesh, std::size_t triangle) {
+inline std::array<Vec3d, 13> closer_points(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
-  const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
-  const Vec3d center = (a + b + c) / 3.0;
-  return {0.5 * (a + b),      0.5 * (b + c),      0.5 * (c + a),     center,
-          0.5 * (center + a), 0.5 * (center + b), 0.5 * (center + c)};
+  const Vec3d p[3] = {mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]};
+  const Vec3d center = (p[0] + p[1] + p[2]) / 3.0;
+  std::array<Vec3d, 13> points;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (const double share : {0.5, 0.25, 0.75}) {
+      points[count++] = (1 - share) * p[i] + share * p[(i + 1) % 3];
+    }
+    points[count++] = 0.5 * (center + p[i]);
+  }
+  points[count] = center;
+  return points;
 }
 
 /// What F - T is to the first order in log F, F being `value` + T with T = 1: fields are as steep

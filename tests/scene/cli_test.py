@@ -37,6 +37,7 @@ class Usage(SceneTest):
             [scene, "out.obj", "--tolerance", "fine"],
             [scene, "out.obj", "--cell", "-1"],
             [scene, "out.obj", "--mesher", "none"],
+            [scene, "out.obj", "--mesher", "dual", "--cell", "0.1"],
             [scene, "out.obj", "--bounds", 0, 0, 0, 1, 1],
             [scene, "out.obj", "--bounds", 0, 0, 0, 1, 1, 0],
             [scene, "out.obj", "-D", "novalue"],
@@ -105,6 +106,15 @@ class Meshing(SceneTest):
         measured = self.report("compare", scene, "b.obj", "--samples", 20000)["error"]
         self.assertLessEqual(measured["mesh_to_surface_max"], 0.001)
         self.assertLessEqual(measured["surface_to_mesh_max"], 0.001)
+
+    def test_every_mesher_of_the_help(self):
+        scene = self.file("ball.art", BALL)
+        page = self.succeed("help", "mesh").stdout
+        for mesher in ("lattice", "dual", "vdb"):
+            self.assertIn(f"{mesher}: ", page)
+            report = self.report(scene, f"{mesher}.obj", "--mesher", mesher)
+            self.assertIs(report["closed"] and report["manifold"], True)
+            self.assertLessEqual(report["error"]["mesh_to_surface_max"], report["tolerance"])
 
     def test_same_bytes_for_any_number_of_threads(self):
         scene = self.file("ball.art", BALL + "sphere s 0.7 1.2 0.3 0.1\n")

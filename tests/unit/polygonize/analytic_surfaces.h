@@ -214,6 +214,45 @@ struct TouchingSpheres {
   Aabb bounds() const { return {{-1, -0.5, -0.5}, {1, 0.5, 0.5}}; }
 };
 
+/// Two balls of radius 1/2 with that much room between them.
+struct TwoSpheres {
+  double gap = 0.1;
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    const double x = 0.5 + 0.5 * gap;
+    return larger(ball(p, {-x, 0, 0}, 0.5), ball(p, {x, 0, 0}, 0.5));
+  }
+  Aabb bounds() const { return {{-1 - 0.5 * gap, -0.5, -0.5}, {1 + 0.5 * gap, 0.5, 0.5}}; }
+};
+
+/// Where the product of the squared distances from two points on the x axis is at most `level`: two
+/// blobs, which from a level of focus^4 on are joined at a saddle in the origin.
+struct CassiniOval {
+  double focus = 1.0;
+  double level = 1.1;
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    const T across = square(p.y) + square(p.z);
+    return T(level) - (square(p.x - T(focus)) + across) * (square(p.x + T(focus)) + across);
+  }
+  Aabb bounds() const {
+    const double reach = std::sqrt(focus * focus + std::sqrt(level)) + 1e-9;
+    return {{-reach, -reach, -reach}, {reach, reach, reach}};
+  }
+};
+
+/// Its faces are perpendicular to the axes.
+struct Box {
+  Vec3d half_sides{0.5, 0.4, 0.3};
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    return smaller(smaller(T(half_sides.x * half_sides.x) - square(p.x),
+                           T(half_sides.y * half_sides.y) - square(p.y)),
+                   T(half_sides.z * half_sides.z) - square(p.z));
+  }
+  Aabb bounds() const { return {-half_sides, half_sides}; }
+};
+
 /// |z| <= half_thickness, in a ball.
 struct ThinPlate {
   double half_thickness = 0.01;

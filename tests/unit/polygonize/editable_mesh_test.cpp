@@ -1,0 +1,79 @@
+#include "polygonize/editable_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "libfield/base/random.h"
+#include "polygonize/check.h"
+
+namespace cs2mesh {
+namespace {
+
+TriangleMesh octahedron() {
+  TriangleMesh mesh;
+  mesh.positions = {{1, 0, 0}, {-1, 0, 0}, {0, 1, 0}, {0, -1, 0}, {0, 0, 1}, {0, 0, -1}};
+  mesh.triangles = {{0, 2, 4}, {2, 1, 4}, {1, 3, 4}, {3, 0, 4},
+                    {2, 0, 5}, {1, 2, 5}, {3, 1, 5}, {0, 3, 5}};
+  return mesh;
+}
+
+void expect_manifold(const EditableMesh& mesh) {
+  const MeshReport report = check(mesh.mesh(), {.self_intersections = false});
+  EXPECT_TRUE(report.closed && report.manifold_edges && report.manifold_vertices);
+  EXPECT_TRUE(report.oriented);
+  EXPECT_EQ(report.genus, 0);
+  for (HalfEdge h = 0; h < 3 * mesh.mesh().triangles.size(); ++h) {
+    EXPECT_EQ(start_of(mesh.mesh(), h), end_of(mesh.mesh(), mesh.opposite(h)));
+    EXPECT_EQ(mesh.opposite(mesh.opposite(h)), h);
+  }
+}
+
+TEST(EditableMesh, AFlipJoinsTheOtherCorners) {
+  EditableMesh mesh(octahedron());
+  const std::size_t triangles = mesh.mesh().triangles.size();
+  ASSERT_TRUE(mesh.flip_edge(1));  // between 2 and 4, beside 0 and 1
+  EXPECT_EQ(mesh.mesh().triangles.size(), triangles);
+  expect_manifold(mesh);
+  bool joined = false;
+  for (HalfEdge h = 0; h < 3 * triangles; ++h) {
+    joined = joined || (start_of(mesh.mesh(), h) == 0 && end_of(mesh.mesh(), h) == 1);
+  }
+  EXPECT_TRUE(joined);
+  EXPECT_FALSE(mesh.flip_edge(0) && mesh.flip_edge(4)) << "some corner has three triangles left";
+  expect_manifold(mesh);
+}
+
+TEST(EditableMesh, ATetrahedronCannotBeFlipped) {
+  TriangleMesh tetrahedron;
+  tetrahedron.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  EditableMesh mesh(tetrahedron);
+  for (HalfEdge h = 0; h < 12; ++h) EXPECT_FALSE(mesh.flip_edge(h));
+  EXPECT_EQ(mesh.mesh().triangles, tetrahedron.triangles);
+}
+
+TEST(EditableMesh, AnySequenceKeepsTheManifold) {
+  Random random(7, 7);
+  EditableMesh mesh(octahedron());
+  int flips = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto h = static_cast<HalfEdge>(random.bits() % (3 * mesh.mesh().triangles.size()));
+    const Vec3d p{random.uniform(), random.uniform(), random.uniform()};
+    switch (random.bits() % 6) {
+      case 0:
+        mesh.split_triangle(triangle_of(h), p);
+        break;
+      case 1:
+        mesh.split_edge(h, p);
+        break;
+      default:
+        flips += mesh.flip_edge(h) ? 1 : 0;
+    }
+  }
+  EXPECT_GT(flips, 100);
+  expect_manifold(mesh);
+}
+
+}  // namespace
+}  // namespace cs2mesh
