@@ -77,6 +77,7 @@ std::string first_line(const std::string& text) {
 int spawn(const std::vector<std::string>& words, const MemoryFile& in, const MemoryFile& out,
           const MemoryFile& err, pid_t& child) {
   std::vector<char*> arguments;
+  arguments.reserve(words.size() + 1);
   // The interface is older than const; the words are not written to.
   for (const std::string& word : words) arguments.push_back(const_cast<char*>(word.c_str()));
   arguments.push_back(nullptr);

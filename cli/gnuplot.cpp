@@ -52,7 +52,7 @@ std::string quoted(const std::string& words) {
 std::string ticks(const Range& range) {
   std::vector<double> steps = {1};
   if (range.decades() < 2.5) steps = {1, 2, 5};
-  if (range.decades() < 0.9) steps = {1, 1.5, 2, 3, 4, 5, 6, 7, 8, 9};
+  if (range.decades() < 0.9) steps = {1, 1.5, 2, 3, 4, 6, 8};
   const int first = static_cast<int>(std::floor(std::log10(range.low)));
   const int last = static_cast<int>(std::ceil(std::log10(range.high)));
   std::string list;
@@ -86,6 +86,20 @@ std::string data_block(const std::string& name, const std::vector<PlotPoint>& po
   return text + "END_OF_DATA\n";
 }
 
+std::string block_name(std::size_t line) {
+  return "line" + std::to_string(line);
+}
+
+/// A line of the plot with its tint, for `plot`; a comma before each.
+std::string curves_of(std::size_t line, const std::string& title) {
+  const std::string block = ", $" + block_name(line);
+  const std::string color = quoted(kColors[line % kColors.size()]);
+  return block + " using 1:2:3 with filledcurves fillcolor rgb " + color +
+         " fillstyle transparent solid 0.25 noborder notitle" + block +
+         " using 1:2 with linespoints linewidth 2 pointtype 7 pointsize 0.6 linecolor rgb " +
+         color + " title " + quoted(title);
+}
+
 std::string axes(const LogLogPlot& plot, const Range& x, const Range& y) {
   std::string text = "set terminal svg noenhanced font 'sans-serif,13' background '#ffffff' size " +
                      std::to_string(plot.width) + "," + std::to_string(plot.height) + "\n";
@@ -117,13 +131,8 @@ std::string gnuplot_script(const LogLogPlot& plot) {
       if (plottable(point.y_high)) y.include(point.y_high);
       if (point.front) front.push_back(point);
     }
-    const std::string block = "line" + std::to_string(i);
-    const std::string color = quoted(kColors[i % kColors.size()]);
-    blocks += data_block(block, points);
-    curves += ", $" + block + " using 1:2:3 with filledcurves fillcolor rgb " + color +
-              " fillstyle transparent solid 0.25 noborder notitle";
-    curves += ", $" + block + " using 1:2 with linespoints linewidth 2 pointtype 7 pointsize 0.6" +
-              " linecolor rgb " + color + " title " + quoted(plot.lines[i].title);
+    blocks += data_block(block_name(i), points);
+    curves += curves_of(i, plot.lines[i].title);
   }
   if (blocks.empty()) return "";
 

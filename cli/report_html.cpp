@@ -24,7 +24,8 @@ table { border-collapse: collapse; margin: 1em 0; }
 th, td { padding: 0.25em 0.7em; border-bottom: 1px solid #ddd; text-align: left;
   vertical-align: top; }
 td.number { text-align: right; font-variant-numeric: tabular-nums; white-space: nowrap; }
-.runs { font-size: 0.78em; } .runs td, .runs th { padding: 0.25em 0.45em; } tr.off td { background: #fdf0e8; }
+.runs { font-size: 0.78em; } .runs td, .runs th { padding: 0.25em 0.45em; }
+tr.off td { background: #fdf0e8; }
 figure { margin: 0; } figcaption { font-size: 0.85em; color: #555; }
 img { max-width: 100%; height: auto; }
 .row { display: flex; flex-wrap: wrap; gap: 1.5em; margin: 1em 0; }
