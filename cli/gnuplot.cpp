@@ -66,14 +66,12 @@ std::string ticks(const Range& range) {
   return "(" + list + ")";
 }
 
-/// The points that have a place, from left to right.
+/// The points that have a place.
 std::vector<PlotPoint> placed(const PlotLine& line) {
   std::vector<PlotPoint> points;
   for (const PlotPoint& point : line.points) {
     if (plottable(point.x) && plottable(point.y)) points.push_back(point);
   }
-  std::stable_sort(points.begin(), points.end(),
-                   [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
   return points;
 }
 
@@ -136,7 +134,9 @@ std::string gnuplot_script(const LogLogPlot& plot) {
   }
   if (blocks.empty()) return "";
 
-  blocks += data_block("front", placed({"", front}));
+  std::stable_sort(front.begin(), front.end(),
+                   [](const PlotPoint& a, const PlotPoint& b) { return a.x < b.x; });
+  blocks += data_block("front", front);
   curves += ", $front using 1:2 with steps dashtype 3 linecolor rgb '#555555' notitle";
   curves +=
       ", $front using 1:2 with points pointtype 6 pointsize 1.5 linewidth 2"

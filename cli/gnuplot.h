@@ -17,7 +17,7 @@ struct PlotPoint {
 
 struct PlotLine {
   std::string title;
-  std::vector<PlotPoint> points;
+  std::vector<PlotPoint> points;  ///< joined in this order
 };
 
 /// y over x, both logarithmic. Points of which a coordinate is not finite or not > 0 are left out.

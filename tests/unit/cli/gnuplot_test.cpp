@@ -29,14 +29,14 @@ TEST(Gnuplot, WordsStayWithinTheirQuotes) {
   EXPECT_FALSE(holds(script, "\nset output"));
 }
 
-TEST(Gnuplot, PointsFromLeftToRightAndOnlyThoseWithAPlace) {
+TEST(Gnuplot, PointsInTheirOrderAndOnlyThoseWithAPlace) {
   LogLogPlot some = plot();
   some.lines[0].points.push_back({400, std::numeric_limits<double>::infinity(), 1, false});
   some.lines[0].points.push_back({0, 1e-3, 1e-3, false});
   some.lines[0].points.push_back({500, std::nan(""), 1e-3, false});
   const std::string script = gnuplot_script(some);
   EXPECT_TRUE(holds(script,
-                    "$line0 << END_OF_DATA\n100 0.01 0.01\n200 0.001 0.002\n300 0.005 0.005\n"
+                    "$line0 << END_OF_DATA\n200 0.001 0.002\n100 0.01 0.01\n300 0.005 0.005\n"
                     "END_OF_DATA\n"));
   EXPECT_TRUE(holds(script,
                     "$front << END_OF_DATA\n100 0.01 0.01\n200 0.001 0.002\n"
