@@ -51,7 +51,8 @@ the rounding of coordinates. Distances below it mean nothing.</li>
 short. Each starts from a scene compiled anew. CPU seconds are those of all threads together. Memory
 is what the process had resident at most.</li>
 <li>Orders are exponents p of least squares of log error over log cost, error = c cost^p, with their
-standard deviation. A distance of second order in the size of a triangle is p = -1 against
+standard deviation; none where the costs of the runs are too alike to tell (a factor of 1.5). A
+distance of second order in the size of a triangle is p = -1 against
 triangles.</li>
 <li>A run is on the Pareto front where no other has both a smaller error and a smaller cost.</li>
 </ul>
@@ -100,7 +101,7 @@ std::string plots(const ReportPage& page) {
 }
 
 std::string fit_cell(const Json& fit) {
-  if (fit.is_null()) return "<td>costs too alike</td>";
+  if (fit.is_null()) return "<td>none</td>";
   return "<td class=\"number\" data-value=\"" + fit["exponent"].dump() + "\">" +
          printed("%.2f", fit["exponent"].get<double>()) + " ± " +
          printed("%.2f", fit["deviation"].get<double>()) + " (" + fit["points"].dump() +
