@@ -1,12 +1,11 @@
 #include "cli/json_report.h"
 
-#include <sys/resource.h>
-
 #include <algorithm>
 #include <iostream>
 
 #include "cli/interrupt.h"
 #include "libfield/base/atomic_file.h"
+#include "libfield/base/peak_memory.h"
 
 namespace cs2mesh {
 namespace {
@@ -43,12 +42,6 @@ Json Stopwatch::seconds() const {
   for (const auto& [stage, seconds] : spent_) json[stage] = seconds;
   json["total"] = in_seconds(Clock::now() - begin_);
   return json;
-}
-
-std::uint64_t peak_memory_bytes() {
-  rusage usage{};
-  if (getrusage(RUSAGE_SELF, &usage) != 0) return 0;
-  return static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
 }
 
 void add_run(Json& report, const Stopwatch& watch, const Console& console) {

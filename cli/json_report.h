@@ -33,9 +33,6 @@ class Stopwatch {
   std::vector<std::pair<std::string, double>> spent_;
 };
 
-/// The most memory that the process has had in use so far.
-std::uint64_t peak_memory_bytes();
-
 /// Adds what every report ends with: seconds, peak_memory_bytes, threads, version.
 void add_run(Json& report, const Stopwatch& watch, const Console& console);
 

@@ -3,19 +3,13 @@
 #include <algorithm>
 
 #include "polygonize/attributes.h"
+#include "polygonize/part_request.h"
 #include "polygonize/tolerance.h"
 
 namespace cs2mesh {
 namespace {
 
 constexpr double kDefaultTolerance = 0.001;  // of the diagonal
-
-/// The length scale of a part; one without radii (widths alone) has that of its box.
-double length_scale(const Part& part) {
-  if (part.thinnest_radius > 0) return part.thinnest_radius;
-  const double diagonal = part.surface->bounds().diagonal();
-  return diagonal > 0 ? 0.25 * diagonal : 1.0;
-}
 
 TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console& console) {
   LatticeOptions options;
@@ -32,12 +26,8 @@ TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console
 
 TriangleMesh mesh_within_tolerance(const Part& part, const Mesher& mesher, double tolerance,
                                    PartLog& log, Console& console) {
-  MesherRequest request;
-  request.tolerance = tolerance;
-  request.thinnest_radius = length_scale(part);
-  request.creased = part.creased;
-  request.progress = &console.progress();
-  MesherResult result = console.take(mesher.mesh(*part.surface, request));
+  MesherResult result =
+      console.take(mesher.mesh(*part.surface, request_for(part, tolerance, &console.progress())));
   if (!result.reached) {
     console.fail(Failure::tolerance,
                  "part '" + part.name + "' is off by " + std::to_string(result.error) +

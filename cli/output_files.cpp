@@ -55,6 +55,11 @@ Result<Done> OutputFiles::can_write(const std::string& path) {
   return Done{};
 }
 
+Result<Done> OutputFiles::has_extension(const std::string& path, const std::string& extension) {
+  if (path.ends_with(extension)) return Done{};
+  return error_at({path, 0, 0}, "expected a file name that ends with " + extension);
+}
+
 std::string OutputFiles::staging_folder(const std::string& parent) {
   for (const Staging& staging : staging_) {
     if (staging.parent == parent) return staging.folder;

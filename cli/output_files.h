@@ -25,6 +25,9 @@ class OutputFiles {
   /// asked before hours of work. Error: Failure::output, located at the path.
   static Result<Done> can_write(const std::string& path);
 
+  /// Whether the name ends with `extension`, dot included. Error: Failure::bad_input, at the path.
+  static Result<Done> has_extension(const std::string& path, const std::string& extension);
+
   /// Writes one output. What is no regular file (a pipe, /dev/null) is written in place at once.
   Result<Done> write(const std::string& path, const Writer& writer);
 

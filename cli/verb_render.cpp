@@ -51,18 +51,13 @@ Request parse_request(const Words& arguments) {
   return request;
 }
 
-void require_extension(const std::string& path, const std::string& extension, Console& console) {
-  if (path.empty() || path.ends_with(extension)) return;
-  console.fail(Failure::bad_input, "expected a file name that ends with " + extension,
-               {path, 0, 0});
-}
-
 std::vector<std::string> outputs_of(const Request& request, Console& console) {
-  require_extension(request.picture, ".png", console);
+  console.take(OutputFiles::has_extension(request.picture, ".png"));
   std::vector<std::string> outputs = {request.picture};
   for (const std::string& path : {request.depth, request.normal, request.cost}) {
-    require_extension(path, ".pfm", console);
-    if (!path.empty()) outputs.push_back(path);
+    if (path.empty()) continue;
+    console.take(OutputFiles::has_extension(path, ".pfm"));
+    outputs.push_back(path);
   }
   for (const std::string& path : outputs) console.take(OutputFiles::can_write(path));
   return outputs;

@@ -5,9 +5,11 @@
 namespace cs2mesh {
 namespace {
 
-constexpr std::array<Verb, 6> kVerbs = {{
+constexpr std::array<Verb, 7> kVerbs = {{
     {"render", "render SCENE OUT.png", "ray-trace the reference image", run_render},
     {"compare", "compare SCENE MESH", "measure a mesh against the exact surface", run_compare},
+    {"report", "report SCENE OUT.html", "error against run time: tolerances x meshers on a page",
+     run_report},
     {"check", "check MESH", "closed? manifold? self-intersecting? where?", run_check},
     {"probe", "probe SCENE POINTS", "field value and gradient at points", run_probe},
     {"info", "info SCENE", "what the scene holds", run_info},

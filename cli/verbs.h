@@ -23,6 +23,7 @@ std::span<const Verb> all_verbs();
 int run_mesh(const Words& arguments);
 int run_render(const Words& arguments);
 int run_compare(const Words& arguments);
+int run_report(const Words& arguments);
 int run_check(const Words& arguments);
 int run_probe(const Words& arguments);
 int run_info(const Words& arguments);

@@ -136,6 +136,7 @@ Result<CompareReport> compare(const CompiledScene& compiled, const Scene& scene,
   const std::vector<const TriangleMesh*> meshes = matched(compiled, model);
   MeasureOptions measuring;
   measuring.seed = options.seed;
+  measuring.mesh_to_surface = options.mesh_to_surface;
   measuring.progress = options.progress;
   CompareReport report;
   if (!meshes.empty()) {

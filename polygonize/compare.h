@@ -13,6 +13,7 @@ namespace cs2mesh {
 struct CompareOptions {
   std::size_t samples = 1'000'000;      ///< each way, over all parts; see MeasureOptions
   std::size_t certified_rays = 10'000;  ///< over all parts
+  bool mesh_to_surface = true;          ///< false: that way is left out, and is 0
   bool silhouette = true;
   int largest_picture = 256;  ///< the longer side of the silhouette, pixels
   std::uint64_t seed = 1;

@@ -200,7 +200,7 @@ class Measurement {
   void measure_samples(const Samples& samples, Tally& tally) const {
     std::vector<Projection> nearest(samples.points.size());
     if (surfaces_.size() == 1) {
-      project_batch(*surfaces_[0], samples.points, nearest);
+      project(*surfaces_[0], samples.points, search_limit_, nearest);
     } else {
       project_to_nearest(samples.points, nearest);
     }
@@ -237,15 +237,6 @@ class Measurement {
     }
   }
 
-  void project_batch(const ImplicitSurface& surface, const std::vector<Vec3d>& points,
-                     std::span<Projection> out) const {
-    Aabb box;
-    for (const Vec3d& p : points) box.include(p);
-    // Room for the steps that leave the hull of the points.
-    box = box.grown(0.05 * box.diagonal());
-    project(surface, *surface.restrict_to(box), box, points, search_limit_, out);
-  }
-
   /// Tries the surface that seems nearest to each point first, and others only where they could be
   /// nearer still.
   void project_to_nearest(const std::vector<Vec3d>& points, std::vector<Projection>& best) const {
@@ -270,7 +261,7 @@ class Measurement {
       }
       if (some.empty()) return;
       std::vector<Projection> found(some.size());
-      project_batch(*surfaces_[s], some, found);
+      project(*surfaces_[s], some, search_limit_, found);
       for (std::size_t k = 0; k < chosen.size(); ++k) {
         if (found[k].distance < best[chosen[k]].distance) best[chosen[k]] = found[k];
       }

@@ -304,6 +304,15 @@ void project(const ImplicitSurface& surface, const ImplicitSurface& local, const
   Projector(surface, local, box, points, search_limit, out).run();
 }
 
+void project(const ImplicitSurface& surface, std::span<const Vec3d> points, double search_limit,
+             std::span<Projection> out) {
+  Aabb box;
+  for (const Vec3d& p : points) box.include(p);
+  // Room for the steps that leave the hull of the points.
+  box = box.grown(0.05 * box.diagonal());
+  project(surface, *surface.restrict_to(box), box, points, search_limit, out);
+}
+
 std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
                                         double farthest) {
   constexpr int kSpheres = 11;

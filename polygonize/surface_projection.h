@@ -27,6 +27,9 @@ struct Projection {
 /// point, two where F is nearly linear over the distance.
 void project(const ImplicitSurface& surface, const ImplicitSurface& local, const Aabb& box,
              std::span<const Vec3d> points, double search_limit, std::span<Projection> out);
+/// The same with a restriction to the box of the points, which are near each other.
+void project(const ImplicitSurface& surface, std::span<const Vec3d> points, double search_limit,
+             std::span<Projection> out);
 
 /// A stretch of a straight line across which F changes its sign.
 struct SignChange {

@@ -34,7 +34,7 @@ Diagnostic bad_png(const std::string& path, const std::string& why) {
 
 }  // namespace
 
-Result<Done> write_png(const std::string& path, const ColorImage& image) {
+Result<std::string> encode_png(const ColorImage& image) {
   require(!image.empty(), "an image to be written has pixels");
   std::vector<std::uint8_t> codes;
   codes.reserve(3 * image.pixels().size());
@@ -56,10 +56,19 @@ Result<Done> write_png(const std::string& path, const ColorImage& image) {
     done = encode(bytes.data(), size);
   }
   if (!done) {
-    return error_at({path, 0, 0}, std::string("cannot encode as PNG: ") + png.image.message,
-                    Failure::output);
+    return error_at({}, std::string("cannot encode as PNG: ") + png.image.message, Failure::output);
   }
-  return write_file(path, bytes);
+  return bytes;
+}
+
+Result<Done> write_png(const std::string& path, const ColorImage& image) {
+  const Result<std::string> bytes = encode_png(image);
+  if (!bytes) {
+    Diagnostic error = bytes.diagnostics().front();
+    error.where = {path, 0, 0};
+    return error;
+  }
+  return write_file(path, *bytes);
 }
 
 Result<ColorImage> read_png(const std::string& path) {

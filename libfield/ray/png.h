@@ -8,8 +8,12 @@
 
 namespace cs2mesh {
 
-/// Writes linear RGB as an 8-bit sRGB-coded PNG; channels are clamped to 0..1 and rounded to the
-/// nearest code, NaN is black. The file appears whole or not at all. Error: Failure::output.
+/// The bytes of an 8-bit sRGB-coded PNG of linear RGB; channels are clamped to 0..1 and rounded to
+/// the nearest code, NaN is black. The image has pixels (ContractViolation). Error:
+/// Failure::output, without a place.
+Result<std::string> encode_png(const ColorImage& image);
+
+/// Writes those to a file, which appears whole or not at all. Error: Failure::output.
 Result<Done> write_png(const std::string& path, const ColorImage& image);
 
 /// Reads a PNG of any kind as linear RGB; transparent pixels are laid over black. Errors

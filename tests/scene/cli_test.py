@@ -16,7 +16,7 @@ class Usage(SceneTest):
 
     def test_help_of_every_verb_names_its_options(self):
         text = self.succeed("--help").stdout
-        for verb in ("mesh", "render", "compare", "check", "probe", "info"):
+        for verb in ("mesh", "render", "compare", "report", "check", "probe", "info"):
             page = self.succeed("help", verb).stdout
             for option in ("--help", "--threads", "--quiet", "--progress"):
                 self.assertIn(option, page, verb)

@@ -48,6 +48,17 @@ TEST(Compare, PartsByName) {
   EXPECT_EQ(report->uncertain_pixels, 0u);
 }
 
+TEST(Compare, OneWayMayBeLeftOut) {
+  Fixture f;
+  const Result<CompareReport> both = compare(f.compiled, f.scene, f.model, f.options);
+  f.options.mesh_to_surface = false;
+  const Result<CompareReport> one = compare(f.compiled, f.scene, f.model, f.options);
+  ASSERT_TRUE(both && one);
+  EXPECT_EQ(one->total.mesh_samples, 0u);
+  EXPECT_EQ(one->total.mesh_to_surface_max, 0);
+  EXPECT_EQ(one->total.surface_to_mesh_max, both->total.surface_to_mesh_max);
+}
+
 TEST(Compare, OtherNamesMeanTheWhole) {
   Fixture f;
   for (MeshPart& mesh : f.model.parts) mesh.name = "mesh";

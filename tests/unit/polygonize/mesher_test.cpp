@@ -180,7 +180,7 @@ INSTANTIATE_TEST_SUITE_P(Meshers, EveryMesher, testing::ValuesIn(names()),
                          [](const auto& info) { return info.param; });
 
 TEST(Meshers, AreFoundByName) {
-  EXPECT_EQ(find_mesher("lattice"), &meshers().front());
+  EXPECT_EQ(find_mesher("adaptive"), &meshers().front());
   EXPECT_EQ(find_mesher("marching"), nullptr);
   for (const Mesher& mesher : meshers()) {
     EXPECT_EQ(find_mesher(mesher.name), &mesher);
