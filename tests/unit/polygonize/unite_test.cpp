@@ -1,3 +1,4 @@
+// Unions of parts; compiled where there is CGAL.
 #include "polygonize/unite.h"
 
 #include <gtest/gtest.h>
@@ -59,14 +60,7 @@ double lens(double distance) {  // of two unit balls
   return pi * (4 + distance) * (2 - distance) * (2 - distance) / 12;
 }
 
-class Unite : public testing::Test {
- protected:
-  void SetUp() override {
-    if (!can_unite()) GTEST_SKIP() << "a build without CGAL";
-  }
-};
-
-TEST_F(Unite, TwoBalls) {
+TEST(Unite, TwoBalls) {
   for (const double distance : {0.5, 1.0, 1.7}) {
     const auto result = united({ball("a", {}, 1, 5), ball("b", {distance, 0.01, 0.02}, 1, 5)});
     const MeshReport report = sound(result);
@@ -78,7 +72,7 @@ TEST_F(Unite, TwoBalls) {
   }
 }
 
-TEST_F(Unite, TrianglesKeepTheirSources) {
+TEST(Unite, TrianglesKeepTheirSources) {
   const auto result = united({ball("a", {}), ball("b", {1, 0, 0})});
   sound(result);
   const MeshPart& part = result->parts[0];
@@ -92,14 +86,14 @@ TEST_F(Unite, TrianglesKeepTheirSources) {
   }
 }
 
-TEST_F(Unite, MirrorImagesAndSharedLattices) {
+TEST(Unite, MirrorImagesAndSharedLattices) {
   // Vertices and edges of the one lie exactly on the other.
   sound(united({ball("a", {-0.5, 0, 0}), ball("b", {0.5, 0, 0})}));
   sound(united({ball("a", {0, 0, 0}), ball("b", {0.25, 0.25, 0.25})}));
   sound(united({ball("a", {0, 0, 0}, 1), ball("b", {0, 0, 0.5}, 0.5)}));
 }
 
-TEST_F(Unite, ABallInABallDisappears) {
+TEST(Unite, ABallInABallDisappears) {
   const MeshPart outer = ball("outer", {}, 2);
   const auto result = united({ball("inner", {0.1, 0, 0}, 0.5), outer});
   ASSERT_TRUE(result);
@@ -110,7 +104,7 @@ TEST_F(Unite, ABallInABallDisappears) {
   EXPECT_EQ(result.diagnostics()[0].severity, Severity::note);
 }
 
-TEST_F(Unite, WhatIsInAHollowStays) {
+TEST(Unite, WhatIsInAHollowStays) {
   MeshPart shell = ball("shell", {}, 2);
   MeshPart inside = ball("hollow", {}, 1.5);
   for (auto& t : inside.mesh.triangles) {
@@ -135,7 +129,7 @@ TEST_F(Unite, WhatIsInAHollowStays) {
   EXPECT_EQ(crossing.voids, 1U);
 }
 
-TEST_F(Unite, PartsApartStayAsTheyAre) {
+TEST(Unite, PartsApartStayAsTheyAre) {
   const MeshPart a = ball("a", {}), b = ball("b", {1.9, 1.9, 0});  // boxes overlap
   const auto result = united({a, b});
   ASSERT_TRUE(result);
@@ -145,7 +139,7 @@ TEST_F(Unite, PartsApartStayAsTheyAre) {
   EXPECT_TRUE(result->parts[0].sources.empty());
 }
 
-TEST_F(Unite, ThreeInARow) {
+TEST(Unite, ThreeInARow) {
   const auto result = united(
       {ball("a", {}), ball("c", {3, 0.1, 0}), ball("b", {1.5, 0, 0.1}), ball("d", {9, 9, 9})});
   ASSERT_TRUE(result);
@@ -157,7 +151,7 @@ TEST_F(Unite, ThreeInARow) {
   EXPECT_EQ(report.genus, 0);
 }
 
-TEST_F(Unite, ATorusThroughABall) {
+TEST(Unite, ATorusThroughABall) {
   using namespace analytic;
   auto ring = mesh_lattice(Surface<Torus>{}, {.cell = 0.1});
   const MeshReport bead = sound(united({{"ring", *ring}, ball("bead", {1, 0.01, 0.02}, 0.5)}));
@@ -167,7 +161,7 @@ TEST_F(Unite, ATorusThroughABall) {
   EXPECT_EQ(filled.genus, 0);
 }
 
-TEST_F(Unite, BoxesFaceToFace) {
+TEST(Unite, BoxesFaceToFace) {
   const MeshReport stacked =
       sound(united({box("below", {0, 0, 0}, {1, 1, 1}), box("above", {0, 0, 1}, {1, 1, 2})}));
   EXPECT_NEAR(stacked.volume, 2, 0.01);
@@ -181,7 +175,7 @@ TEST_F(Unite, BoxesFaceToFace) {
   EXPECT_NEAR(sound(united({box("below", {0, 0, 0}, {1, 1, 1}), tilted})).volume, 1.25, 0.01);
 }
 
-TEST_F(Unite, BoxesThatTouchAtAnEdgeOrAVertexAreMadeToOverlap) {
+TEST(Unite, BoxesThatTouchAtAnEdgeOrAVertexAreMadeToOverlap) {
   for (const Vec3d& at : {Vec3d{1, 1, 0}, Vec3d{1, 1, 1}}) {
     const MeshReport report =
         sound(united({box("a", {0, 0, 0}, {1, 1, 1}), box("b", at, at + Vec3d{1, 1, 1})}));
@@ -191,13 +185,13 @@ TEST_F(Unite, BoxesThatTouchAtAnEdgeOrAVertexAreMadeToOverlap) {
   }
 }
 
-TEST_F(Unite, APartTwice) {
+TEST(Unite, APartTwice) {
   const MeshReport twice = sound(united({ball("a", {}), ball("b", {})}));
   EXPECT_EQ(twice.components, 1U);
   EXPECT_NEAR(twice.volume, volume(ball("a", {}).mesh), 0.01);
 }
 
-TEST_F(Unite, ManyBallsAnywhereAreSoundAndTheSameEachTime) {
+TEST(Unite, ManyBallsAnywhereAreSoundAndTheSameEachTime) {
   Random random(5);
   for (int round = 0; round < 30; ++round) {
     std::vector<MeshPart> parts;
@@ -212,16 +206,6 @@ TEST_F(Unite, ManyBallsAnywhereAreSoundAndTheSameEachTime) {
     const auto again = united(parts, 0.02);
     EXPECT_EQ(again->parts[0].mesh.positions, result->parts[0].mesh.positions);
     EXPECT_EQ(again->parts[0].mesh.triangles, result->parts[0].mesh.triangles);
-  }
-}
-
-TEST(UniteWithoutCgal, OnePartAndPartsApartNeedNone) {
-  EXPECT_TRUE(united({ball("a", {})}));
-  EXPECT_TRUE(united({ball("a", {}), ball("b", {5, 0, 0})}));
-  const auto meeting = united({ball("a", {}), ball("b", {1, 0, 0})});
-  EXPECT_EQ(static_cast<bool>(meeting), can_unite());
-  if (!meeting) {
-    EXPECT_EQ(meeting.diagnostics().back().failure, Failure::unmeshable);
   }
 }
 
