@@ -73,7 +73,7 @@ class SliverRemover {
   bool may_become(const Corners& before, const Corners& after) const {
     const Vec3d m = normal(after);
     const double old_height = flatness(before);
-    if (old_height < height_) return flatness(after) >= std::max(old_height, 0.25 * height_);
+    if (old_height < height_) return flatness(after) >= 0.5 * old_height;
     const Vec3d n = normal(before);
     return dot(n, m) > kMostTurned * norm(n) * norm(m) && flatness(after) > 0.25 * height_;
   }

@@ -108,6 +108,14 @@ class Creases(SceneTest):
         self.assertEqual(report["swallowed"], [])
         self.assertIn("usemtl", (self.folder / "out.obj").read_text())
 
+    def test_same_bytes_for_any_number_of_threads(self):
+        for threads in (1, 2):
+            options = ("--threads", threads, "--tolerance", "0.5%")
+            self.succeed(SCENES / "creases.art", f"{threads}.glb", *options)
+        self.assertEqual(
+            (self.folder / "1.glb").read_bytes(), (self.folder / "2.glb").read_bytes()
+        )
+
     def test_parts_may_stay_separate(self):
         scene = SCENES / "creases.art"
         report = self.report(scene, "out.obj", "--tolerance", "0.5%", "--parts", "separate")

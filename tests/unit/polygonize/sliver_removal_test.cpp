@@ -35,13 +35,14 @@ double flattest(const TriangleMesh& mesh) {
 
 /// A sphere with points put in near its vertices and edges, which makes needles and caps.
 TaggedMesh slivered(double distance, std::uint64_t seed) {
-  TriangleMesh mesh = tagged(test::sphere_mesh(3)).mesh;
-  EditableMesh editable(std::move(mesh));
+  EditableMesh editable(tagged(test::sphere_mesh(3)).mesh);
+  const std::size_t old = editable.mesh().positions.size();
   Random random(seed);
   for (int i = 0; i < 150; ++i) {
     const auto count = static_cast<double>(editable.mesh().triangles.size());
     const auto pick = static_cast<std::size_t>(random.uniform() * count);
-    const auto& corner = editable.mesh().triangles[pick];
+    const auto corner = editable.mesh().triangles[pick];
+    if (std::max({corner[0], corner[1], corner[2]}) >= old) continue;
     const auto place = [&](std::size_t k) { return editable.mesh().positions[corner[k]]; };
     const double along = i % 2 == 0 ? distance : 0.4;  // near a vertex, or an edge
     const Vec3d on_edge = place(0) + along * (place(1) - place(0));
