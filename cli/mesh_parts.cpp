@@ -114,7 +114,7 @@ void add_attributes(MeshedScene& meshed, const CompiledScene& compiled, const Sc
     }
     std::vector<SourcePatch> patches = split_by_source(part);
     for (SourcePatch& patch : patches) add(patch.mesh, meshed.parts_of[i][patch.source]);
-    take_attributes(part, patches);
+    take_attributes(part, std::move(patches));
   }
 }
 

@@ -1,6 +1,10 @@
 #include "polygonize/source_patches.h"
 
+#include <array>
 #include <limits>
+#include <map>
+#include <span>
+#include <utility>
 
 namespace cs2mesh {
 namespace {
@@ -57,7 +61,36 @@ std::vector<SourcePatch> split_by_source(const MeshPart& part) {
   return patches;
 }
 
-void take_attributes(MeshPart& part, std::span<const SourcePatch> patches) {
+MeshPart join_patches(std::vector<std::string> sources, std::vector<SourcePatch> patches) {
+  /// A vertex of the part, and the last patch that it is in.
+  struct Place {
+    Index vertex = 0;
+    std::size_t patch = 0;
+  };
+  MeshPart part;
+  std::map<std::array<double, 3>, Place> places;
+  for (std::size_t i = 0; i < patches.size(); ++i) {
+    SourcePatch& patch = patches[i];
+    for (const Vec3d& p : patch.mesh.positions) {
+      const auto fresh = static_cast<Index>(part.mesh.positions.size());
+      const auto [at, is_new] = places.try_emplace({p.x, p.y, p.z}, Place{fresh, i});
+      // Two of one patch stay two: they are no seam, but something to be found by a check.
+      if (!is_new && at->second.patch == i) at->second.vertex = fresh;
+      at->second.patch = i;
+      if (at->second.vertex == fresh) part.mesh.positions.push_back(p);
+      patch.vertex.push_back(at->second.vertex);
+    }
+    for (const auto& [a, b, c] : patch.mesh.triangles) {
+      part.mesh.triangles.push_back({patch.vertex[a], patch.vertex[b], patch.vertex[c]});
+      part.source_of.push_back(static_cast<std::uint32_t>(patch.source));
+    }
+  }
+  part.sources = std::move(sources);
+  take_attributes(part, std::move(patches));
+  return part;
+}
+
+void take_attributes(MeshPart& part, std::vector<SourcePatch> patches) {
   const std::size_t count = part.mesh.positions.size();
   part.mesh.colors = means(count, patches, &TriangleMesh::colors);
   part.mesh.normals = means(count, patches, &TriangleMesh::normals);
@@ -66,6 +99,7 @@ void take_attributes(MeshPart& part, std::span<const SourcePatch> patches) {
     // Opposite normals, as where two solids touch, have no direction between them.
     normal = length > 1e-6 ? Vec3<float>(Vec3d(normal) / length) : Vec3<float>(0, 0, 1);
   }
+  part.patches = std::move(patches);
 }
 
 }  // namespace cs2mesh

@@ -191,7 +191,8 @@ class Uniter {
       for (double height = start; height <= most; height *= start < fine ? 4 : 2) {
         remove_slivers(mesh, is_open, height);
         const std::vector<TriangleMesh::Index> wrong = defective(rounded_to_float(mesh.mesh));
-        const bool sound = defective(mesh.mesh).empty();
+        const bool open_question = wrong.empty() || best.soundness == Soundness::broken;
+        const bool sound = open_question && defective(mesh.mesh).empty();
         if (wrong.empty() && sound) return {Soundness::as_floats, std::move(mesh)};
         if (sound && best.soundness == Soundness::broken) best = {Soundness::as_doubles, mesh};
         if (height == start && start == fine && fine > least && wrong.size() > kManyWrong) break;

@@ -125,6 +125,37 @@ TEST(SourcePatches, EachVertexHasTheAttributesOfItsPart) {
   EXPECT_EQ(part.mesh.normals.size(), 4U);
 }
 
+TEST(SourcePatches, GlbFilesHaveSharpCreasesAndReadBackAsOnePart) {
+  MeshPart part;
+  part.name = "a + b";
+  part.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  part.mesh.triangles = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  part.sources = {"a", "b"};
+  part.source_of = {0, 0, 0, 1};
+  auto patches = split_by_source(part);
+  for (auto& patch : patches) {
+    const float red = patch.source == 0 ? 1.0F : 0.0F;
+    patch.mesh.colors.assign(patch.vertex.size(), {red, 0, 0});
+    patch.mesh.normals.assign(patch.vertex.size(), {red, 1 - red, 0});
+  }
+  take_attributes(part, patches);
+  const test::Folder folder;
+  ASSERT_TRUE(write_mesh({{part}}, folder / "x.glb"));
+  const auto back = read_mesh(folder / "x.glb");
+  ASSERT_TRUE(back);
+  ASSERT_EQ(back->parts.size(), 1U);
+  const MeshPart& read = back->parts[0];
+  EXPECT_EQ(read.mesh.positions.size(), 4U);
+  EXPECT_TRUE(check(read.mesh).ok());
+  EXPECT_EQ(read.sources, part.sources);
+  EXPECT_EQ(read.source_of, part.source_of);
+  ASSERT_EQ(read.patches.size(), 2U);
+  EXPECT_EQ(read.patches[1].mesh.colors[0].x, 0);
+  EXPECT_EQ(read.patches[0].mesh.colors[0].x, 1);
+  EXPECT_EQ(read.mesh.colors.size(), 4U);
+  test::expect_survives_damage(test::content(folder / "x.glb"), MeshFormat::glb);
+}
+
 TEST(SourcePatches, ObjFilesNameTheMaterialOfEachPiece) {
   MeshPart part;
   part.name = "a + b";
