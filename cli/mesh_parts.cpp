@@ -4,6 +4,7 @@
 
 #include "polygonize/attributes.h"
 #include "polygonize/part_request.h"
+#include "polygonize/source_patches.h"
 #include "polygonize/tolerance.h"
 
 namespace cs2mesh {
@@ -79,7 +80,7 @@ MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const 
     }
     meshed.model.parts.push_back({part.name, std::move(mesh)});
     meshed.log.push_back(std::move(log));
-    meshed.part_of.push_back(i);
+    meshed.parts_of.push_back({i});
   }
   if (meshed.model.parts.empty()) {
     console.fail(Failure::bad_input, "the scene has no surface, expected a field that reaches 1",
@@ -90,11 +91,20 @@ MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const 
 
 void add_attributes(MeshedScene& meshed, const CompiledScene& compiled, const Scene& scene,
                     const MeshRequest& request) {
-  for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
-    const Part& part = compiled.parts[meshed.part_of[i]];
-    TriangleMesh& mesh = meshed.model.parts[i].mesh;
+  const auto add = [&](TriangleMesh& mesh, std::size_t index) {
+    const Part& part = compiled.parts[index];
     if (request.wants("normal")) add_normals(mesh, *part.surface);
     if (request.wants("color")) add_colors(mesh, *part.materials, scene.materials);
+  };
+  for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
+    MeshPart& part = meshed.model.parts[i];
+    if (part.sources.empty()) {
+      add(part.mesh, meshed.parts_of[i].front());
+      continue;
+    }
+    std::vector<SourcePatch> patches = split_by_source(part);
+    for (SourcePatch& patch : patches) add(patch.mesh, meshed.parts_of[i][patch.source]);
+    take_attributes(part, std::move(patches));
   }
 }
 

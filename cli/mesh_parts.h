@@ -29,15 +29,21 @@ struct PartLog {
 };
 
 struct MeshedScene {
-  Model model;  ///< parts that are not empty
-  std::vector<PartLog> log;
-  std::vector<std::size_t> part_of;  ///< index into CompiledScene::parts for each of the model
+  Model model;               ///< parts that are not empty
+  std::vector<PartLog> log;  ///< of each part of the model
+  /// Of each part of the model: indices into CompiledScene::parts, one, or one a source of a union.
+  std::vector<std::vector<std::size_t>> parts_of;
+  std::vector<PartLog> swallowed;  ///< parts that lie inside of others
 };
 
 /// Meshes every part. Throws Exit, everything having been said, where a tolerance is missed or
 /// nothing is there to mesh.
 MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const Fineness& fineness,
                        Console& console);
+
+/// Unites the parts that touch. Throws Exit, everything having been said, where that fails.
+void unite_parts(MeshedScene& meshed, const CompiledScene& compiled, const Fineness& fineness,
+                 Console& console);
 
 /// Adds the attributes that the request wants.
 void add_attributes(MeshedScene& meshed, const CompiledScene& compiled, const Scene& scene,

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "cli/output_files.h"
+#include "polygonize/unite.h"
 
 namespace cs2mesh {
 namespace {
@@ -28,6 +29,14 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
       ->check(CLI::IsMember(names))
       ->excludes(cell)
       ->type_name("NAME");
+  request.united = can_unite();
+  app.add_option_function<std::string>(
+         "--parts", [&request](const std::string& word) { request.united = word == "united"; },
+         "united: parts that touch become one mesh without anything inside; separate: the soft "
+         "surface, each blend group and each hard solid are meshes of their own (default: " +
+             std::string(can_unite() ? "united" : "separate, since this build has no CGAL") + ")")
+      ->check(CLI::IsMember({"united", "separate"}))
+      ->type_name("HOW");
   app.add_flag("--verify", request.verify,
                "measure the result with rays before anything is written; status 5 if it is off");
   app.add_flag("--no-check{false}", request.self_intersections,

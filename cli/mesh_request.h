@@ -19,6 +19,7 @@ struct MeshRequest {
   std::optional<Length> tolerance;  ///< not set: the scene's, or 0.1 % of its diagonal
   std::optional<Length> cell;       ///< not set: the scene's, or what the tolerance needs
   std::string mesher{meshers().front().name};
+  bool united = true;  ///< parts that touch become one mesh
   std::vector<std::string> attributes;
   bool all_attributes = true;  ///< what format and scene have
   std::string up;              ///< "y", "z" or "": the scene's

@@ -54,26 +54,46 @@ std::vector<PartReport> check_outputs(const Model& model, const Scene& scene,
   return first;
 }
 
+void fail_if_off(const MeasuredError& error, double tolerance, const std::string& what,
+                 const SourceLocation& where, Console& console) {
+  if (error.max() <= tolerance) return;
+  console.fail(Failure::tolerance,
+               what + " is off by " + std::to_string(error.max()) +
+                   ", more than the tolerance of " + std::to_string(tolerance) +
+                   "; nothing was written",
+               where);
+}
+
+/// The same of all parts together, as their union: what of a surface is inside of another does not
+/// count.
+Json verify_union(const MeshedScene& meshed, const CompiledScene& compiled, double tolerance,
+                  Console& console) {
+  MeasureOptions options;
+  options.samples = kVerifySamples * compiled.parts.size();
+  options.certified_rays = kVerifyRays * compiled.parts.size();
+  options.progress = &console.progress();
+  std::vector<const ImplicitSurface*> surfaces;
+  for (const Part& part : compiled.parts) surfaces.push_back(part.surface.get());
+  const MeasuredError error = measure(surfaces, joined(meshed.model), options);
+  console.stop_if_interrupted();
+  fail_if_off(error, tolerance, "the union", compiled.parts.front().where, console);
+  return to_json(error);
+}
+
 /// Measures every part with rays; throws Exit{kToleranceMissed} if one is off.
 Json verify(const MeshedScene& meshed, const CompiledScene& compiled, double tolerance,
             Console& console) {
   Json worst;
   double largest = -1;
   for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
-    const Part& part = compiled.parts[meshed.part_of[i]];
+    const Part& part = compiled.parts[meshed.parts_of[i].front()];
     MeasureOptions options;
     options.samples = kVerifySamples;
     options.certified_rays = kVerifyRays;
     options.progress = &console.progress();
     const MeasuredError error = measure(*part.surface, meshed.model.parts[i].mesh, options);
     console.stop_if_interrupted();
-    if (error.max() > tolerance) {
-      console.fail(Failure::tolerance,
-                   "part '" + part.name + "' is off by " + std::to_string(error.max()) +
-                       ", more than the tolerance of " + std::to_string(tolerance) +
-                       "; nothing was written",
-                   part.where);
-    }
+    fail_if_off(error, tolerance, "part '" + part.name + "'", part.where, console);
     if (error.max() > largest) {
       largest = error.max();
       worst = to_json(error);
@@ -94,20 +114,42 @@ void write_outputs(const Model& model, const Scene& scene, const MeshRequest& re
   console.take(files.commit());
 }
 
-void add_parts(Json& report, const std::vector<PartLog>& log,
-               const std::vector<PartReport>& checked) {
-  std::size_t values = 0, gradients = 0;
+Json to_json(const PartLog& log, Json part) {
+  part["cell"] = log.cell;
+  return part;
+}
+
+void add_plan(Json& report, const std::vector<PartLog>& plan) {
   Json parts = Json::array();
-  for (std::size_t i = 0; i < log.size(); ++i) {
-    Json part = i < checked.size() ? to_json(checked[i]) : Json{{"name", log[i].name}};
-    part["cell"] = log[i].cell;
-    if (i < checked.size()) part["error"] = {{"mesh_to_surface_max", log[i].error}};
+  for (const PartLog& log : plan) parts.push_back(to_json(log, {{"name", log.name}}));
+  report["parts"] = std::move(parts);
+}
+
+/// The parts as they were written, and with `united` what became of those that touched.
+void add_parts(Json& report, const MeshedScene& meshed, const std::vector<PartReport>& checked,
+               bool united) {
+  std::size_t values = 0, gradients = 0;
+  const auto count = [&](const PartLog& log) {
+    values += log.values;
+    gradients += log.gradients;
+  };
+  Json parts = Json::array();
+  for (std::size_t i = 0; i < checked.size(); ++i) {
+    Json part = to_json(meshed.log[i], to_json(checked[i]));
+    part["error"] = {{"mesh_to_surface_max", meshed.log[i].error}};
+    if (united) part["united"] = meshed.model.parts[i].sources;
     parts.push_back(std::move(part));
-    values += log[i].values;
-    gradients += log[i].gradients;
+    count(meshed.log[i]);
   }
   report["parts"] = std::move(parts);
-  if (!checked.empty()) report["evaluations"] = {{"value", values}, {"gradient", gradients}};
+  if (united) {
+    report["swallowed"] = Json::array();
+    for (const PartLog& log : meshed.swallowed) {
+      report["swallowed"].push_back(log.name);
+      count(log);
+    }
+  }
+  report["evaluations"] = {{"value", values}, {"gradient", gradients}};
 }
 
 Json estimated_error(const std::vector<PartLog>& log) {
@@ -129,7 +171,7 @@ int report_plan(Json report, const CompiledScene& compiled, const Fineness& fine
     console.say("would mesh part '" + part.name + "' with cells of about " +
                 std::to_string(part.cell));
   }
-  add_parts(report, plan, {});
+  add_plan(report, plan);
   add_run(report, watch, console);
   deliver(report, request.report, console);
   return kDone;
@@ -153,13 +195,19 @@ int run_mesh(const Words& arguments) {
 
   watch.start("extract");
   MeshedScene meshed = mesh_parts(compiled, scene, fineness, console);
+  if (request.united) {
+    watch.start("unite");
+    unite_parts(meshed, compiled, fineness, console);
+  }
   watch.start("clean");
   const std::vector<PartReport> checked = check_outputs(meshed.model, scene, request, console);
   if (request.self_intersections) warn_if_unchecked(checked, request.input.path, console);
   report["error"] = estimated_error(meshed.log);
   if (request.verify) {
     watch.start("verify");
-    report["error"] = verify(meshed, compiled, fineness.tolerance, console);
+    report["error"] = request.united && compiled.parts.size() > 1
+                          ? verify_union(meshed, compiled, fineness.tolerance, console)
+                          : verify(meshed, compiled, fineness.tolerance, console);
   }
   watch.start("attributes");
   add_attributes(meshed, compiled, scene, request);
@@ -168,7 +216,7 @@ int run_mesh(const Words& arguments) {
   watch.stop();
 
   add_check(report, checked);
-  add_parts(report, meshed.log, checked);
+  add_parts(report, meshed, checked, request.united);
   add_run(report, watch, console);
   console.say(summary(checked) + ", " + seconds_text(watch));
   deliver(report, request.report, console);

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "libfield/base/aabb.h"
+#include "polygonize/morton.h"
 
 namespace cs2mesh {
 
@@ -72,32 +73,13 @@ class BoxPairs {
   std::vector<std::vector<Aabb>> levels_;
 };
 
-/// Spreads the lower 21 bits so that two zeros follow each.
-inline std::uint64_t spread_bits(std::uint64_t x) {
-  x = (x | x << 32) & 0x001f00000000ffffULL;
-  x = (x | x << 16) & 0x001f0000ff0000ffULL;
-  x = (x | x << 8) & 0x100f00f00f00f00fULL;
-  x = (x | x << 4) & 0x10c30c30c30c30c3ULL;
-  return (x | x << 2) & 0x1249249249249249ULL;
-}
-
 inline BoxPairs::BoxPairs(std::span<const Aabb> boxes) : order_(boxes.size()), levels_(2) {
   Aabb all;
   for (const Aabb& box : boxes) all.include(box);
-  const auto code_along = [&](std::size_t axis, double x) {
-    constexpr double kSteps = 0x1p21;
-    const double extent = all.max[axis] - all.min[axis];
-    const double share = extent > 0 ? (x - all.min[axis]) / extent : 0.0;
-    // Also where the extent overflows, or the share is not a number.
-    const double step = share > 0 ? std::min(share * kSteps, kSteps - 1) : 0.0;
-    return spread_bits(static_cast<std::uint64_t>(step)) << axis;
-  };
   tbb::parallel_for(std::size_t{0}, boxes.size(), [&](std::size_t i) {
-    std::uint64_t code = 0;
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      code |= code_along(axis, 0.5 * boxes[i].min[axis] + 0.5 * boxes[i].max[axis]);
-    }
-    order_[i] = {code, static_cast<std::uint32_t>(i)};
+    // Halves first, lest the sum overflow.
+    const Vec3d middle = 0.5 * boxes[i].min + 0.5 * boxes[i].max;
+    order_[i] = {morton_code(all, middle), static_cast<std::uint32_t>(i)};
   });
   tbb::parallel_sort(order_.begin(), order_.end());
   levels_[0].reserve(boxes.size());

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <numeric>
 #include <span>
 #include <tuple>
 #include <utility>
 
+#include "polygonize/disjoint_sets.h"
 #include "polygonize/self_intersection.h"
 
 namespace cs2mesh {
@@ -29,25 +29,6 @@ struct EdgeUse {
   friend bool operator<(const EdgeUse& a, const EdgeUse& b) {
     return std::tie(a.other, a.half_edge) < std::tie(b.other, b.half_edge);
   }
-};
-
-/// Disjoint sets of triangles.
-class Union {
- public:
-  explicit Union(std::size_t n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0U); }
-  std::uint32_t root(std::uint32_t x) {
-    while (parent_[x] != x) x = parent_[x] = parent_[parent_[x]];
-    return x;
-  }
-  /// The lower root stays, so numbers do not depend on the order of joins.
-  void join(std::uint32_t a, std::uint32_t b) {
-    a = root(a);
-    b = root(b);
-    parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
 };
 
 struct Component {
@@ -250,7 +231,7 @@ void Checker::check_vertices() {
 
 void Checker::check_components() {
   // Number the components in the order of their first triangles.
-  Union sets(valid_.size());
+  DisjointSets sets(valid_.size());
   for_each_edge(edge_begin_, edge_uses_, [&](Index, std::span<const EdgeUse> uses) {
     for (const EdgeUse& use : uses) sets.join(uses[0].half_edge / 3, use.half_edge / 3);
   });

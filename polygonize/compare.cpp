@@ -17,19 +17,6 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-TriangleMesh joined(const Model& model) {
-  TriangleMesh all;
-  for (const MeshPart& part : model.parts) {
-    const auto base = static_cast<TriangleMesh::Index>(all.positions.size());
-    all.positions.insert(all.positions.end(), part.mesh.positions.begin(),
-                         part.mesh.positions.end());
-    for (const auto& [a, b, c] : part.mesh.triangles) {
-      all.triangles.push_back({a + base, b + base, c + base});
-    }
-  }
-  return all;
-}
-
 /// For each part of the scene the mesh of its name; empty unless the names are the same.
 std::vector<const TriangleMesh*> matched(const CompiledScene& compiled, const Model& model) {
   std::vector<const TriangleMesh*> meshes;

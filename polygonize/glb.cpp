@@ -35,29 +35,14 @@ class GlbBuilder {
 
   /// False if a coordinate does not fit float32.
   bool add(const MeshPart& part) {
-    const TriangleMesh& mesh = part.mesh;
-    if (mesh.empty()) return true;
-    const bool colors = options_.colors && mesh.colors.size() == mesh.positions.size();
-    const bool normals = options_.normals && mesh.normals.size() == mesh.positions.size();
-    Json attributes;
-    if (!add_positions(mesh, attributes)) return false;
-    if (normals) attributes["NORMAL"] = add_normals(mesh);
-    if (colors) attributes["COLOR_0"] = add_colors(mesh);
-
+    if (part.mesh.empty()) return true;
+    Json primitives = Json::array();
+    if (part.patches.empty() && !add_primitive(part.mesh, part.name, primitives)) return false;
+    for (const SourcePatch& patch : part.patches) {
+      if (!add_primitive(patch.mesh, part.sources[patch.source], primitives)) return false;
+    }
     const std::size_t index = json_["meshes"].size();
-    const double albedo = colors ? 1.0 : 0.8;
-    json_["materials"].push_back({{"name", part.name},
-                                  {"pbrMetallicRoughness",
-                                   {{"baseColorFactor", {albedo, albedo, albedo, 1.0}},
-                                    {"metallicFactor", 0.0},
-                                    {"roughnessFactor", 0.5}}},
-                                  {"doubleSided", false}});
-    Json primitive = {{"attributes", attributes},
-                      {"indices", add_indices(mesh)},
-                      {"material", index},
-                      {"mode", 4}};
-    json_["meshes"].push_back(
-        {{"name", part.name}, {"primitives", Json::array({std::move(primitive)})}});
+    json_["meshes"].push_back({{"name", part.name}, {"primitives", std::move(primitives)}});
     json_["nodes"].push_back({{"name", part.name}, {"mesh", index}});
     json_["scenes"][0]["nodes"].push_back(index);
     return true;
@@ -86,6 +71,28 @@ class GlbBuilder {
   const std::string& binary() const { return binary_; }
 
  private:
+  bool add_primitive(const TriangleMesh& mesh, const std::string& material, Json& primitives) {
+    const bool colors = options_.colors && mesh.colors.size() == mesh.positions.size();
+    const bool normals = options_.normals && mesh.normals.size() == mesh.positions.size();
+    Json attributes;
+    if (!add_positions(mesh, attributes)) return false;
+    if (normals) attributes["NORMAL"] = add_normals(mesh);
+    if (colors) attributes["COLOR_0"] = add_colors(mesh);
+    const std::size_t index = json_["materials"].size();
+    const double albedo = colors ? 1.0 : 0.8;
+    json_["materials"].push_back({{"name", material},
+                                  {"pbrMetallicRoughness",
+                                   {{"baseColorFactor", {albedo, albedo, albedo, 1.0}},
+                                    {"metallicFactor", 0.0},
+                                    {"roughnessFactor", 0.5}}},
+                                  {"doubleSided", false}});
+    primitives.push_back({{"attributes", std::move(attributes)},
+                          {"indices", add_indices(mesh)},
+                          {"material", index},
+                          {"mode", 4}});
+    return true;
+  }
+
   std::size_t add_view(std::size_t begin, int target) {
     json_["bufferViews"].push_back({{"buffer", 0},
                                     {"byteOffset", begin},

@@ -10,6 +10,7 @@
 
 #include "polygonize/glb.h"
 #include "polygonize/mesh_input.h"
+#include "polygonize/source_patches.h"
 
 namespace cs2mesh {
 namespace {
@@ -343,12 +344,35 @@ class GltfReader {
     if (part.name.empty()) part.name = stem_of(file_);
     // A primitive takes over fifty bytes of JSON where it is not repeated, and time to look up.
     if (!spend(part.name.size() + 100 * primitives.size())) return false;
+    if (ours_ && primitives.size() > 1) return add_united(primitives, map, std::move(part.name));
     for (const Json& primitive : primitives) {
       if (!add_primitive(primitive, map, part.mesh)) return false;
     }
     if (part.mesh.normals.size() != part.mesh.positions.size()) part.mesh.normals.clear();
     if (part.mesh.colors.size() != part.mesh.positions.size()) part.mesh.colors.clear();
     if (!ours_) merge_equal_vertices(part.mesh);
+    if (!part.mesh.empty()) model_.parts.push_back(std::move(part));
+    return true;
+  }
+
+  /// A united part, as our writer makes it: a primitive for each of its sources.
+  bool add_united(const Json& primitives, const Affine& map, std::string name) {
+    std::vector<std::string> sources;
+    std::vector<SourcePatch> patches;
+    std::size_t vertices = 0;
+    for (const Json& primitive : primitives) {
+      SourcePatch& patch = patches.emplace_back();
+      patch.source = sources.size();
+      if (!add_primitive(primitive, map, patch.mesh)) return false;
+      vertices += patch.mesh.positions.size();
+      if (vertices > kMostVertices) return fail("too many vertices");
+      const Json& material =
+          element(member(json_, "materials"), integer(member(primitive, "material")));
+      const Json& source = member(material, "name");
+      sources.push_back(source.is_string() ? source.get<std::string>() : std::string());
+    }
+    MeshPart part = join_patches(std::move(sources), std::move(patches));
+    part.name = std::move(name);
     if (!part.mesh.empty()) model_.parts.push_back(std::move(part));
     return true;
   }

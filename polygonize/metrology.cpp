@@ -15,6 +15,7 @@
 #include "polygonize/closest_point.h"
 #include "polygonize/surface_projection.h"
 #include "polygonize/surface_samples.h"
+#include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
 namespace {
@@ -348,13 +349,23 @@ class Measurement {
     return total;
   }
 
+  /// Whether solids touch face to face at a point of the one, so that it is inside their union.
+  bool back_to_back(const Jet& own, const Jet& other) const {
+    const double slopes = norm(own.gradient) * norm(other.gradient);
+    return dot(own.gradient, other.gradient) < -0.999 * slopes &&
+           first_order_distance(other, search_limit_) <= 1e-9 * search_limit_;
+  }
+
   void measure_back(std::size_t surface, const std::vector<Vec3d>& points, Tally& tally) const {
     std::vector<bool> hidden(points.size(), false);
-    std::vector<double> values(points.size());
+    std::vector<Jet> own(points.size()), jets(points.size());
+    if (surfaces_.size() > 1) surfaces_[surface]->jets(points, own);
     for (std::size_t s = 0; s < surfaces_.size(); ++s) {
       if (s == surface || points.empty()) continue;
-      surfaces_[s]->values(points, values);
-      for (std::size_t i = 0; i < points.size(); ++i) hidden[i] = hidden[i] || values[i] > 0;
+      surfaces_[s]->jets(points, jets);
+      for (std::size_t i = 0; i < points.size(); ++i) {
+        hidden[i] = hidden[i] || jets[i].value > 0 || back_to_back(own[i], jets[i]);
+      }
     }
     std::vector<Vec3d> seen;
     for (std::size_t i = 0; i < points.size(); ++i) {

@@ -62,7 +62,8 @@ MeasuredError measure(const ImplicitSurface& surface, const TriangleMesh& mesh,
                       const MeasureOptions& options = {});
 
 /// The same against the outside of several surfaces together: a sample of the mesh counts its
-/// nearest surface, and surface inside another is left out. (A mesh of the surfaces one by one and
+/// nearest surface, and surface inside another, or where two lie
+/// back to back, is left out. (A mesh of the surfaces one by one and
 /// a mesh of their union are both at distance 0.)
 MeasuredError measure(std::span<const ImplicitSurface* const> surfaces, const TriangleMesh& mesh,
                       const MeasureOptions& options = {});

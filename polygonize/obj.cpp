@@ -9,6 +9,7 @@
 #include "libfield/base/color.h"
 #include "polygonize/mesh_input.h"
 #include "polygonize/mesh_output.h"
+#include "polygonize/source_patches.h"
 
 namespace cs2mesh {
 namespace {
@@ -38,23 +39,37 @@ std::string material_name(const std::string& part) {
   return name;
 }
 
+void append_material(std::string& out, const std::string& part, const TriangleMesh& mesh) {
+  Vec3d sum;
+  for (const Vec3<float>& color : mesh.colors) sum += Vec3d(color);
+  out += "newmtl " + material_name(part) + "\nKd";
+  append_color(out, Vec3<float>(sum / static_cast<double>(mesh.colors.size())));
+  out += "\n\n";
+}
+
+/// A material for each part, and for each source of a united one.
 std::string material_library(const Model& model) {
   std::string out;
   for (const MeshPart& part : model.parts) {
-    const std::vector<Vec3<float>>& colors = part.mesh.colors;
-    if (colors.empty()) continue;
-    Vec3d sum;
-    for (const Vec3<float>& color : colors) sum += Vec3d(color);
-    out += "newmtl " + material_name(part.name) + "\nKd";
-    append_color(out, Vec3<float>(sum / static_cast<double>(colors.size())));
-    out += "\n\n";
+    if (part.mesh.colors.empty()) continue;
+    if (part.sources.empty()) append_material(out, part.name, part.mesh);
+    for (SourcePatch& patch : split_by_source(part)) {
+      for (const Index v : patch.vertex) patch.mesh.colors.push_back(part.mesh.colors[v]);
+      append_material(out, part.sources[patch.source], patch.mesh);
+    }
   }
   return out;
 }
 
-void append_faces(std::string& out, const TriangleMesh& mesh, bool normals, std::size_t base,
-                  AtomicFile& file) {
-  for (const auto& triangle : mesh.triangles) {
+void append_faces(std::string& out, const MeshPart& part, bool normals, bool colors,
+                  std::size_t base, AtomicFile& file) {
+  for (std::size_t t = 0; t < part.mesh.triangles.size(); ++t) {
+    const auto& triangle = part.mesh.triangles[t];
+    const bool first_of_source =
+        !part.sources.empty() && (t == 0 || part.source_of[t] != part.source_of[t - 1]);
+    if (colors && first_of_source) {
+      out += "usemtl " + material_name(part.sources[part.source_of[t]]) + '\n';
+    }
     out += 'f';
     for (const Index vertex : triangle) {
       const std::size_t index = base + vertex;
@@ -85,7 +100,7 @@ void write_parts(const Model& model, const ObjOptions& options, AtomicFile& file
     const TriangleMesh& mesh = part.mesh;
     const bool colors = options.colors && !mesh.colors.empty();
     out += "o " + printable_name(part.name) + '\n';
-    if (colors) out += "usemtl " + material_name(part.name) + '\n';
+    if (colors && part.sources.empty()) out += "usemtl " + material_name(part.name) + '\n';
     for (std::size_t i = 0; i < mesh.positions.size(); ++i) {
       append_vector(out, "v", mesh.positions[i]);
       if (colors) append_color(out, mesh.colors[i]);
@@ -95,7 +110,7 @@ void write_parts(const Model& model, const ObjOptions& options, AtomicFile& file
       append_vector(out, "vn", mesh.normals[i]);
       out += '\n';
     }
-    append_faces(out, mesh, normals, base, file);
+    append_faces(out, part, normals, colors, base, file);
     base += mesh.positions.size();
   }
   file.write(out);

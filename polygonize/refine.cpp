@@ -156,12 +156,20 @@ class Refiner {
     });
   }
 
-  void mark_far_triangles() {
+  std::vector<std::size_t> triangles_to_look_at() const {
+    if (options_.first_looked_at != nullptr && statistics.rounds == 0) {
+      return {options_.first_looked_at->begin(), options_.first_looked_at->end()};
+    }
     std::vector<std::size_t> fresh;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const auto& corner = mesh_.triangles[t];
       if (std::max({corner[0], corner[1], corner[2]}) >= first_new_) fresh.push_back(t);
     }
+    return fresh;
+  }
+
+  void mark_far_triangles() {
+    const std::vector<std::size_t> fresh = triangles_to_look_at();
     std::vector<std::vector<LostPoint>> far((fresh.size() + kChunk - 1) / kChunk);
     for_each_chunk(fresh.size(), [&](std::size_t first, std::size_t last) {
       far[first / kChunk] = find_far(std::span(fresh).subspan(first, last - first));

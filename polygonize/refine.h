@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "libfield/base/progress.h"
@@ -23,6 +24,8 @@ struct RefineOptions {
   int most_rounds = 10;
   /// Triangles without a vertex of this number or above are known to be near enough.
   TriangleMesh::Index first_new = 0;
+  /// If set, the only triangles that the first round looks at; later ones at what is new.
+  const std::vector<std::uint32_t>* first_looked_at = nullptr;
   std::size_t max_triangles = 50'000'000;  ///< no round begins above
   Progress* progress = nullptr;            ///< cancelled: what is done so far is returned
 };

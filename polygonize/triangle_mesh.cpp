@@ -14,6 +14,19 @@ std::size_t Model::triangle_count() const {
   return count;
 }
 
+TriangleMesh joined(const Model& model) {
+  TriangleMesh all;
+  for (const MeshPart& part : model.parts) {
+    const auto base = static_cast<TriangleMesh::Index>(all.positions.size());
+    all.positions.insert(all.positions.end(), part.mesh.positions.begin(),
+                         part.mesh.positions.end());
+    for (const auto& [a, b, c] : part.mesh.triangles) {
+      all.triangles.push_back({a + base, b + base, c + base});
+    }
+  }
+  return all;
+}
+
 Aabb bounds(const TriangleMesh& mesh) {
   Aabb box;
   for (const Vec3d& p : mesh.positions) box.include(p);

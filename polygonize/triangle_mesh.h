@@ -22,10 +22,24 @@ struct TriangleMesh {
   bool empty() const { return triangles.empty(); }
 };
 
-/// A mesh with the name of the part of the scene that it bounds.
+/// The triangles of one source of a united mesh, open along creases.
+struct SourcePatch {
+  std::size_t source = 0;  ///< index into the part's `sources`
+  TriangleMesh mesh;
+  std::vector<TriangleMesh::Index> vertex;  ///< for each vertex, the number in the united mesh
+};
+
+/// A mesh with the name of the part of the scene that it bounds, or of several united.
 struct MeshPart {
   std::string name;
   TriangleMesh mesh;
+  /// Of a union, what it was made of: names, and for each triangle the number of the one whose
+  /// surface it shows, ascending. Both are empty for a part by itself.
+  std::vector<std::string> sources{};
+  std::vector<std::uint32_t> source_of{};
+  /// Each source's triangles with its own attributes, for formats that can have several of them at
+  /// a crease; empty for a part by itself, and for a union without attributes.
+  std::vector<SourcePatch> patches{};
 };
 
 /// What one output file holds: a closed mesh for each part.
@@ -35,6 +49,9 @@ struct Model {
   std::size_t vertex_count() const;
   std::size_t triangle_count() const;
 };
+
+/// The parts as one mesh, one after the other, without attributes.
+TriangleMesh joined(const Model& model);
 
 Aabb bounds(const TriangleMesh& mesh);
 /// Half the cross product of two edges: the normal times the area.

@@ -26,6 +26,9 @@ void surface(SceneBuilder& builder, Arguments& args);
 // commands_primitives.cpp
 void arc(SceneBuilder& builder, Arguments& args);
 void arch(SceneBuilder& builder, Arguments& args);
+void box(SceneBuilder& builder, Arguments& args);
+void brick(SceneBuilder& builder, Arguments& args);
+void cone(SceneBuilder& builder, Arguments& args);
 void cylinder(SceneBuilder& builder, Arguments& args);
 void dot(SceneBuilder& builder, Arguments& args);
 void gauss(SceneBuilder& builder, Arguments& args);

@@ -1,4 +1,5 @@
 // Primitives: what stands in the text becomes a skeleton, nothing is evaluated.
+#include <algorithm>
 #include <variant>
 
 #include "libfield/art/commands.h"
@@ -35,7 +36,53 @@ void point(SceneBuilder& builder, Arguments& args, ElementKind kind) {
   builder.add(args, kind, Point{position}, material);
 }
 
+/// Two opposite corners, sorted.
+void add_box(SceneBuilder& builder, Arguments& args, const Vec3d& one, const Vec3d& other,
+             int material) {
+  builder.add(args, ElementKind::box, Segment{min(one, other), max(one, other)}, material);
+}
+
 }  // namespace
+
+void box(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const Vec3d one = args.triple("a corner, x y z");
+  const SourceLocation where = args.here();
+  const Vec3d other = args.triple("the opposite corner, x y z");
+  const Vec3d extent = max(one, other) - min(one, other);
+  if (!args.failed() && !(std::min({extent.x, extent.y, extent.z}) > 0)) {
+    args.fail(where, "a box without volume, expected a corner that differs in x, y and z");
+  }
+  add_box(builder, args, one, other, material);
+}
+
+void brick(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const double x = args.positive("the side along x");
+  const double y = args.positive("the side along y");
+  const double z = args.positive("the side along z");
+  const Vec3d half{0.5 * x, 0.5 * y, 0.5 * z};
+  add_box(builder, args, -half, half, material);
+}
+
+void cone(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const SourceLocation where = args.here();
+  const double base_radius = args.not_negative("the radius of the base");
+  const Vec3d base = args.triple("the base, x y z");
+  const double apex_radius = args.not_negative("the radius of the apex");
+  const SourceLocation where_apex = args.here();
+  const Vec3d apex = args.triple("the apex, x y z");
+  const double largest = std::max(base_radius, apex_radius);
+  if (!args.failed() && !(largest > 0)) {
+    args.fail(where, "both radii are 0, expected one > 0");
+  } else if (!args.failed() && !(norm(apex - base) > 1e-12 * largest)) {
+    args.fail(where_apex, "a cone without height, expected an apex apart from the base");
+  }
+  Element* element =
+      builder.add(args, ElementKind::cone, Segment{base, apex}, material, base_radius);
+  if (element != nullptr) element->apex_radius = apex_radius;
+}
 
 void sphere(SceneBuilder& builder, Arguments& args) {
   const int material = builder.read_material(args);

@@ -217,6 +217,14 @@ void Printer::print_element(const Element& element) {
             << std::get<Segment>(element.skeleton).b;
       if (element.taper) print_taper(*element.taper);
       break;
+    case ElementKind::cone:
+      *this << std::get<Segment>(element.skeleton).a << ", " << element.apex_radius << " "
+            << std::get<Segment>(element.skeleton).b;
+      break;
+    case ElementKind::box:
+      *this << std::get<Segment>(element.skeleton).a << ", "
+            << std::get<Segment>(element.skeleton).b;
+      break;
     case ElementKind::triangle:
       for (const Vec3d& vertex : std::get<Triangle>(element.skeleton).vertex) {
         *this << vertex << ", ";

@@ -72,10 +72,10 @@ bool SceneBuilder::has_room(Arguments& args, std::size_t elements, std::size_t o
   return false;
 }
 
-void SceneBuilder::add(Arguments& args, ElementKind kind, const Primitive& skeleton, int material,
-                       std::optional<double> own_radius, Spelling spelling,
-                       std::optional<SegmentWeight> taper) {
-  if (!args.finish() || !has_room(args, 1, 0)) return;
+Element* SceneBuilder::add(Arguments& args, ElementKind kind, const Primitive& skeleton,
+                           int material, std::optional<double> own_radius, Spelling spelling,
+                           std::optional<SegmentWeight> taper) {
+  if (!args.finish() || !has_room(args, 1, 0)) return nullptr;
   Element element;
   element.kind = kind;
   element.spelling = spelling;
@@ -88,6 +88,7 @@ void SceneBuilder::add(Arguments& args, ElementKind kind, const Primitive& skele
   last_ = Target::element;
   last_index_ = scene_.elements.size();
   scene_.elements.push_back(std::move(element));
+  return &scene_.elements.back();
 }
 
 void SceneBuilder::open_object(Arguments& args, std::string_view name, int chain_material) {

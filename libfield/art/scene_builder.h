@@ -38,10 +38,11 @@ class SceneBuilder {
   int read_material(Arguments& args);
   /// A surface by its name or by a material variable; fails where there is none.
   int material_named(Arguments& args);
-  /// Adds a primitive to the innermost open object. Without effect if `args` has failed.
-  void add(Arguments& args, ElementKind kind, const Primitive& skeleton, int material,
-           std::optional<double> own_radius = std::nullopt, Spelling spelling = Spelling::plain,
-           std::optional<SegmentWeight> taper = std::nullopt);
+  /// Adds a primitive to the innermost open object and returns it. Null, and without effect, if
+  /// `args` has failed.
+  Element* add(Arguments& args, ElementKind kind, const Primitive& skeleton, int material,
+               std::optional<double> own_radius = std::nullopt, Spelling spelling = Spelling::plain,
+               std::optional<SegmentWeight> taper = std::nullopt);
 
   /// Opens an object; a chain if it has a material.
   void open_object(Arguments& args, std::string_view name, int chain_material = -1);

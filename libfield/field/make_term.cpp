@@ -133,6 +133,12 @@ Result<MadeTerm> make_term(const Scene& scene, const Element& element) {
   MadeTerm made;
   std::vector<Diagnostic> notes;
   const KernelKind kind = kernel_of(scene, element);
+  if (element.kind == ElementKind::cone) {
+    notes.push_back({Severity::warning, Failure::none, element.where,
+                     "a soft cone is left out, expected a surface without 'blobbiness', or a "
+                     "cylinder with 'taper'"});
+    return {std::move(made), std::move(notes)};
+  }
   if (is_singular(kind) && std::holds_alternative<Plane>(element.skeleton)) {
     return error_at(element.where,
                     "the kernel " + quoted(name_of(kind)) +

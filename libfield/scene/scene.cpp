@@ -3,8 +3,9 @@
 namespace cs2mesh {
 
 std::string_view name_of(ElementKind kind) {
-  constexpr std::array<std::string_view, 9> kNames = {
-      "sphere", "cylinder", "arc", "arch", "line", "dot", "gauss", "triangle", "plane"};
+  constexpr std::array<std::string_view, 11> kNames = {"sphere", "cylinder", "arc",   "arch",
+                                                       "line",   "dot",      "gauss", "triangle",
+                                                       "plane",  "cone",     "box"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -22,6 +23,8 @@ bool is_soft(const Scene& scene, const Element& element) {
     case ElementKind::gauss:
     case ElementKind::line:
       return true;
+    case ElementKind::box:
+      return false;
     default:
       break;
   }

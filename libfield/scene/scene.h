@@ -40,7 +40,19 @@ struct Material {
 };
 
 /// The command that made an element; soft or hard follows from it, the material and Scene::soft.
-enum class ElementKind { sphere, cylinder, arc, arch, line, dot, gauss, triangle, plane };
+enum class ElementKind {
+  sphere,
+  cylinder,
+  arc,
+  arch,
+  line,
+  dot,
+  gauss,
+  triangle,
+  plane,
+  cone,
+  box
+};
 
 /// The word of the language for it.
 std::string_view name_of(ElementKind kind);
@@ -53,8 +65,9 @@ enum class Spelling { plain, pipe, torus };
 struct Element {
   ElementKind kind = ElementKind::sphere;
   Spelling spelling = Spelling::plain;
-  Primitive skeleton;
-  std::optional<double> own_radius;  ///< > 0; sphere, cylinder, arc, arch have one
+  Primitive skeleton;  ///< of a cone its axis, of a box the diagonal from the least corner
+  std::optional<double> own_radius;  ///< > 0; sphere, cylinder, arc, arch have one, cones may be 0
+  double apex_radius = 0.0;          ///< of a cone, >= 0; own_radius is that at its base
   /// The weight along a segment of a line or cylinder, inside the convolution integral.
   std::optional<SegmentWeight> taper;
   Affine transform;  ///< applied to this element alone
@@ -120,7 +133,8 @@ struct Scene {
 Affine world_transform(const Scene& scene, const Element& element);
 
 /// Whether the element contributes to a soft field (art-language 2): always for dot, gauss, line;
-/// for the others when its material has a blobbiness or a width. Scene::soft is not looked at.
+/// never for box; for the others when its material has a blobbiness or a width. Scene::soft is not
+/// looked at.
 bool is_soft(const Scene& scene, const Element& element);
 
 /// R of the element (art-language 3): its own radius unless `fragile` prefers the material's.

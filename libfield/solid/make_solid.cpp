@@ -1,9 +1,11 @@
 #include "libfield/solid/make_solid.h"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "libfield/solid/combination.h"
+#include "libfield/solid/cone_side.h"
 #include "libfield/solid/half_space.h"
 #include "libfield/solid/offset.h"
 
@@ -53,6 +55,51 @@ Surface flat_ended_arc(const Placement& placement, const Arc& arc, double radius
                                        std::vector<Surface>{torus, wedge});
 }
 
+/// Between the lids. The capsule is wide enough to decide nowhere on the surface; it bounds what
+/// the side and the lids leave open in the eyes of bounds().
+Surface capped_cone(const Placement& placement, const Segment& axis, double base, double apex) {
+  const Vec3d along = normalized(axis.b - axis.a);
+  const double wide = 2 * std::max(base, apex);
+  return std::make_shared<Combination>(
+      CombinationKind::intersection,
+      std::vector<Surface>{std::make_shared<ConeSide>(axis, base, apex, placement.to_local),
+                           half_space(placement, axis.a, -along),
+                           half_space(placement, axis.b, along),
+                           std::make_shared<Offset>(axis, wide, placement.to_local)});
+}
+
+/// Six half-spaces, and a ball around them for the sake of bounds().
+Surface box(const Placement& placement, const Vec3d& low, const Vec3d& high) {
+  std::vector<Surface> parts;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    Vec3d outward{};
+    outward[axis] = 1;
+    parts.push_back(half_space(placement, high, outward));
+    parts.push_back(half_space(placement, low, -outward));
+  }
+  const Point middle{0.5 * low + 0.5 * high};
+  parts.push_back(std::make_shared<Offset>(middle, norm(high - low), placement.to_local));
+  return std::make_shared<Combination>(CombinationKind::intersection, std::move(parts));
+}
+
+/// A cone or a box, which have no single radius.
+MadeSolid make_without_radius(const Placement& placement, const Element& element) {
+  const auto& segment = std::get<Segment>(element.skeleton);
+  MadeSolid made;
+  made.creased = true;
+  if (element.kind == ElementKind::cone) {
+    const double base = element.own_radius.value_or(0.0);
+    made.surface = capped_cone(placement, segment, base, element.apex_radius);
+    made.radius = 0.5 * std::max(base, element.apex_radius);
+  } else {
+    made.surface = box(placement, segment.a, segment.b);
+    const Vec3d sides = segment.b - segment.a;
+    made.radius = 0.5 * std::min({sides.x, sides.y, sides.z});
+  }
+  if (placement.to_local) made.radius /= stretch_bound(placement.to_local->linear);
+  return made;
+}
+
 /// Degenerate skeletons are spheres: they have no axis.
 bool is_point_like(const Primitive& primitive, double radius) {
   const double extent = std::visit([](const auto& p) { return size(p); }, primitive);
@@ -70,6 +117,9 @@ Result<MadeSolid> make_solid(const Scene& scene, const Element& element, bool of
     const auto& plane = std::get<Plane>(element.skeleton);
     made.surface = half_space(placement, plane.point, plane.normal);
     return made;
+  }
+  if (element.kind == ElementKind::cone || element.kind == ElementKind::box) {
+    return make_without_radius(placement, element);
   }
   if (element.kind == ElementKind::triangle && !offset) {
     return error_at(element.where,

@@ -11,14 +11,16 @@ namespace cs2mesh {
 
 struct MadeSolid {
   std::shared_ptr<const ImplicitSurface> surface;
-  double radius = 0.0;   ///< in scene units; the smallest, under a non-uniform scale
+  /// In scene units, the smallest under a non-uniform scale; of a cone the half of its larger
+  /// radius, of a box that of its shortest side.
+  double radius = 0.0;
   bool creased = false;  ///< flat lids or ends
 };
 
 /// With `offset` (`soft off`), the offset surface that a soft element becomes: round ends, but for
 /// the flat lids of a cylinder. Otherwise the ordinary solid: a sphere, a cylinder with lids, an
-/// arc with flat ends, the half-space below a plane. Error, at the element: a flat thing without
-/// thickness, or no radius in force.
+/// arc with flat ends, the half-space below a plane, a cone with lids, a box. Error, at the
+/// element: a flat thing without thickness, or no radius in force.
 Result<MadeSolid> make_solid(const Scene& scene, const Element& element, bool offset);
 
 }  // namespace cs2mesh

@@ -8,6 +8,7 @@
 
 #include "libfield/base/check.h"
 #include "libfield/primitive/nearest_point.h"
+#include "libfield/solid/turning_gradient.h"
 
 namespace cs2mesh {
 namespace {
@@ -161,14 +162,8 @@ double Offset::derivative_bound(int order, const Aabb& box) const {
 }
 
 std::array<Interval, 3> Offset::enclose_gradient(const Aabb& box) const {
-  const Vec3d g = jet_at(box.center()).gradient;
-  const double turn =
-      derivative_bound(2, box) * 0.5 * box.diagonal() * (1 + 1e-15) + 1e-14 * stretch_;
-  const double most = stretch_ * (1 + 1e-14);
-  const Interval all(-most, most);
-  if (!(turn < 2 * most)) return {all, all, all};
-  return {intersection(all, widened(g.x, turn)), intersection(all, widened(g.y, turn)),
-          intersection(all, widened(g.z, turn))};
+  return turning_gradient(jet_at(box.center()).gradient, derivative_bound(2, box),
+                          0.5 * box.diagonal(), stretch_);
 }
 
 Aabb Offset::bounds() const {

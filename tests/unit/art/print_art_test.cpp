@@ -72,6 +72,7 @@ void expect_same_elements(const Scene& a, const Scene& b) {
     EXPECT_EQ(x.kind, y.kind);
     EXPECT_EQ(x.spelling, y.spelling);
     EXPECT_EQ(x.own_radius, y.own_radius);
+    EXPECT_EQ(x.apex_radius, y.apex_radius);
     EXPECT_EQ(x.taper, y.taper);
     EXPECT_EQ(x.material, y.material);
     EXPECT_EQ(x.object, y.object);
@@ -154,6 +155,7 @@ TEST(PrintArt, everything_the_language_has_reads_back) {
       "  arc S 2 0.5 1 2 3, -1 0.2 0.1, 200 300\n  arch T 0.5 0 0 0, 1 0.3 0, 2 0 1\nclose\n"
       "scale 1 2 3\nrotate 1 1 0 30\nscale 3 1 -1\ntranslate 1 2 3\n"
       "arch S 1 0 0 0, 1 1 1, 2 2 2\nplane S 0 0 1, 1 2 3\ntriangle S 0 0 0 1 0 0 0 1 0\n"
+      "cone S 0.5 0 0 0, 0.25 0 0 1\nbox S 1 0 3, 0 2 1\nbrick S 2 4 6\n"
       "dot S 1 2 3\ngauss S 1 2 3\nline S 0 0 0 1 1 1\n"
       "line S 0 0 0 1 1 1 taper 1 0.3\nline S 0 0 0 1 1 1 taper 0.7 -0.1 0.3\n"
       "cylinder S 1 0 0 0 1 1 1 taper 0.1 0.2 0.7\npipe S 1 0 0 0 1 1 1 tap 0 0\n"));

@@ -130,13 +130,15 @@ TEST(Primitives, each_makes_its_skeleton) {
       "sphere S 2 1 2 3\ncylinder S 0.5 0 0 0 1 0 0\npipe S 0.5 0 0 0 1 0 0\n"
       "line S 0 0 0 0 0 1\ndot S 1 1 1\ngauss S 2 2 2\ntriangle S 0 0 0 1 0 0 0 1 0\n"
       "plane S 0 0 1, 0 0 5\narc S 2 0.1 <1 0 0> <0 0 1> 0 90\ntorus S 2 0.1 0 0 0, 0 1 0\n"
-      "arch S 0.1 1 0 0, 0 1 0, -1 0 0\narch S 0.1 0 0 0, 1 0 0, 2 0 0\n");
+      "arch S 0.1 1 0 0, 0 1 0, -1 0 0\narch S 0.1 0 0 0, 1 0 0, 2 0 0\n"
+      "cone S 0.5 0 0 0, 0.25 0 0 1\nbox S 1 0 3, 0 2 1\nbrick S 2 4 6\n");
   const auto& e = scene.elements;
-  ASSERT_EQ(e.size(), 12u);
+  ASSERT_EQ(e.size(), 15u);
   const ElementKind kKinds[] = {ElementKind::sphere,   ElementKind::cylinder, ElementKind::cylinder,
                                 ElementKind::line,     ElementKind::dot,      ElementKind::gauss,
                                 ElementKind::triangle, ElementKind::plane,    ElementKind::arc,
-                                ElementKind::arc,      ElementKind::arch,     ElementKind::arch};
+                                ElementKind::arc,      ElementKind::arch,     ElementKind::arch,
+                                ElementKind::cone,     ElementKind::box,      ElementKind::box};
   for (std::size_t i = 0; i < e.size(); ++i) EXPECT_EQ(e[i].kind, kKinds[i]) << i;
   EXPECT_EQ(e[0].own_radius, 2);
   EXPECT_EQ(e[1].own_radius, 0.5);
@@ -154,6 +156,12 @@ TEST(Primitives, each_makes_its_skeleton) {
   EXPECT_LT(norm(std::get<Arc>(e[10].skeleton).center), 1e-15);
   EXPECT_EQ(std::get<Segment>(e[11].skeleton).b, (Vec3d{2, 0, 0}));
   EXPECT_EQ(e[11].where, (SourceLocation{"test.art", 13, 1}));
+  EXPECT_EQ(e[12].own_radius, 0.5);
+  EXPECT_EQ(e[12].apex_radius, 0.25);
+  EXPECT_EQ(std::get<Segment>(e[13].skeleton).a, (Vec3d{0, 0, 1}));
+  EXPECT_EQ(std::get<Segment>(e[13].skeleton).b, (Vec3d{1, 2, 3}));
+  EXPECT_EQ(std::get<Segment>(e[14].skeleton).a, (Vec3d{-1, -2, -3}));
+  EXPECT_FALSE(is_soft(scene, e[14]));
 }
 
 TEST(Primitives, the_radius_in_force_follows_fragile) {

@@ -132,14 +132,18 @@ TEST(SecondJet, OfRestrictionsAreTheSameBits) {
 }
 
 TEST(SecondJet, OfSolidsAreTheirGradientsSlopes) {
-  const Primitive skeletons[] = {Point{{0.1, 0, 0}}, Segment{{0, 0, 0}, {0.5, 0.2, 2}},
+  const Primitive skeletons[] = {Point{{0.1, 0, 0}},
+                                 Segment{{0, 0, 0}, {0.5, 0.2, 2}},
                                  make_arc({0, 0, 0}, 1.1, {0.6, 0, 0.8}, 0, 200),
                                  Triangle{{Vec3d{-1, 0, 0}, {1, 0.2, 0.1}, {0, 1, 0.3}}},
-                                 Plane{{0, 0, 0.1}, {0, 0.6, 0.8}}};
-  const ElementKind kinds[] = {ElementKind::sphere, ElementKind::cylinder, ElementKind::arc,
-                               ElementKind::triangle, ElementKind::plane};
+                                 Plane{{0, 0, 0.1}, {0, 0.6, 0.8}},
+                                 Segment{{0, 0, -1}, {0.2, 0, 1}},
+                                 Segment{{-1, -0.5, -0.7}, {1, 1, 0.5}}};
+  const ElementKind kinds[] = {ElementKind::sphere,   ElementKind::cylinder, ElementKind::arc,
+                               ElementKind::triangle, ElementKind::plane,    ElementKind::cone,
+                               ElementKind::box};
   Compared compared;
-  for (std::size_t k = 0; k < 5; ++k) {
+  for (std::size_t k = 0; k < std::size(kinds); ++k) {
     for (const bool offset : {false, true}) {
       if (kinds[k] == ElementKind::triangle && !offset) continue;
       Scene scene;
@@ -148,6 +152,7 @@ TEST(SecondJet, OfSolidsAreTheirGradientsSlopes) {
       Element element;
       element.kind = kinds[k];
       element.skeleton = skeletons[k];
+      if (kinds[k] == ElementKind::cone) element.own_radius = 0.9, element.apex_radius = 0.3;
       element.transform = Affine::rotate({1, 2, 3}, 40) * Affine::scale({1, 0.6, 1.5});
       scene.elements.push_back(element);
       const auto made = make_solid(scene, scene.elements[0], offset);

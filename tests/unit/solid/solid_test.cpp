@@ -64,6 +64,45 @@ TEST(Solid, HardPlaneIsTheHalfSpaceBelow) {
   EXPECT_FALSE(ground.surface->bounds().finite());
 }
 
+Scene cone(const Vec3d& base, double radius, const Vec3d& apex, double apex_radius,
+           const Affine& transform = {}) {
+  Scene scene = hard_element(ElementKind::cone, Segment{base, apex}, transform);
+  scene.elements[0].own_radius = radius;
+  scene.elements[0].apex_radius = apex_radius;
+  return scene;
+}
+
+TEST(Solid, ConeHasItsRadiiAtItsEndsAndLids) {
+  const MadeSolid whole = solid(cone({0, 0, 0}, 3, {0, 0, 4}, 0));
+  EXPECT_TRUE(whole.creased);
+  EXPECT_NEAR(whole.surface->value({1.5, 0, 2}), 0, 1e-15);
+  EXPECT_NEAR(whole.surface->value({0, 0, 4}), 0, 1e-15);
+  // From the axis to the side 3/5 of the height above, at right angles; gradients have length 1.
+  EXPECT_NEAR(whole.surface->value({0, 0, 3}), 0.6, 1e-15);
+  EXPECT_NEAR(whole.surface->value({0, 2, 3}), 0.6 - 1.6, 1e-15);
+  EXPECT_NEAR(norm(whole.surface->jet({0, 2, 3}).gradient), 1, 1e-15);
+  EXPECT_NEAR(whole.surface->value({0, 1, -0.5}), -0.5, 1e-15);
+  EXPECT_LT(whole.surface->value({0, 0, 5}), 0);
+  const MadeSolid cut = solid(cone({1, 0, 0}, 1, {3, 0, 0}, 2));
+  EXPECT_NEAR(cut.surface->value({2, 0, 1.5}), 0, 1e-15);
+  EXPECT_NEAR(cut.surface->value({3.25, 1, 0}), -0.25, 1e-15);
+  EXPECT_TRUE(cut.surface->bounds().finite());
+  EXPECT_TRUE(cut.surface->bounds().contains(Vec3d{3, 2, 0}));
+}
+
+TEST(Solid, BoxIsWhatLiesBetweenItsCorners) {
+  const Scene scene = hard_element(ElementKind::box, Segment{{0, 0, 0}, {1, 2, 3}});
+  const MadeSolid box = solid(scene);
+  EXPECT_TRUE(box.creased);
+  EXPECT_EQ(box.radius, 0.5);
+  EXPECT_DOUBLE_EQ(box.surface->value({0.25, 1, 1}), 0.25);
+  EXPECT_DOUBLE_EQ(box.surface->value({0.5, 1, 3.5}), -0.5);
+  EXPECT_EQ(box.surface->bounds(), (Aabb{{0, 0, 0}, {1, 2, 3}}));
+  Scene turned = scene;
+  turned.elements[0].transform = Affine::rotate({1, 2, 3}, 50);
+  EXPECT_TRUE(solid(turned).surface->bounds().finite());
+}
+
 TEST(Solid, BoundsContainWhatIsSampled) {
   const Affine skew = Affine::rotate({1, 1, 0}, 40) * Affine::scale({0.5, 2, -1});
   const std::vector<Scene> scenes = {
@@ -72,7 +111,10 @@ TEST(Solid, BoundsContainWhatIsSampled) {
       hard_element(ElementKind::arc, make_arc({0, 0, 0}, 1, {0, 0, 1}, 20, 100), skew),
       hard_element(ElementKind::arc, make_arc({0, 0, 0}, 1, {0, 0, 1}, 20, 300)),
       hard_element(ElementKind::plane, Plane{{0, 0, 1}, {0, 0, 1}}, skew),
-      hard_element(ElementKind::triangle, Triangle{{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, skew)};
+      hard_element(ElementKind::triangle, Triangle{{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, skew),
+      cone({0, 0, -1}, 1, {0.5, 0, 1}, 0.25, skew),
+      cone({0, 0, -1}, 2, {0, 0, 2}, 0),
+      hard_element(ElementKind::box, Segment{{-1, -1, -1}, {1, 2, 1}}, skew)};
   Random random(1);
   for (std::size_t which = 0; which < scenes.size(); ++which) {
     const bool offset = scenes[which].elements[0].kind == ElementKind::triangle;
