@@ -10,19 +10,16 @@
 namespace cs2mesh {
 namespace {
 
-/// 1 / (m + 1).
-constexpr std::array<double, kTaylorOrder + 1> kReciprocal = [] {
-  std::array<double, kTaylorOrder + 1> all{};
-  for (std::size_t m = 0; m < all.size(); ++m) all[m] = 1.0 / static_cast<double>(m + 1);
-  return all;
-}();
+/// Of the budget of a cell, for one source.
+constexpr double kGreatestShare = 1.0 / 32;
 
 }  // namespace
 
 double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
-                              const std::vector<std::uint32_t>& elements, double budget) {
+                              const std::vector<std::uint32_t>& elements, double budget,
+                              double guess) {
   // What each may leave open is guessed; where the sum is too much, each has to do better.
-  double each = budget / 32;
+  double each = budget * std::min(guess, kGreatestShare);
   for (;;) {
     for (ByOrder& by_order : clusters_) {
       for (auto& sources : by_order) sources.clear();
@@ -35,6 +32,7 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
     if (error_ <= budget) break;
     each *= std::min(0.7, 0.9 * budget / error_);
   }
+  cell_.share = each / budget;
   sum_up();
   cell_.listed = cell_.elements.size();
   for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).count;
@@ -43,12 +41,12 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
 
 void FarField::Sorter::sum_up() {
   const auto add = bulk_table().add_sources;
-  for (std::size_t i = 0; i < kOrders.size(); ++i) {
+  for (std::size_t i = 0; i < kFarOrders.size(); ++i) {
     for (std::size_t j = 0; j < clusters_.size(); ++j) {
-      add(field_.two_nu_ + 2.0 * static_cast<double>(j), kOrders[i], clusters_[j][i].data(),
+      add(field_.two_nu_ + 2.0 * static_cast<double>(j), kFarOrders[i], clusters_[j][i].data(),
           clusters_[j][i].size(), cell_.series.data());
     }
-    add(field_.two_nu_, kOrders[i], single_[i].data(), single_[i].size(), cell_.series.data());
+    add(field_.two_nu_, kFarOrders[i], single_[i].data(), single_[i].size(), cell_.series.data());
   }
 }
 
@@ -71,21 +69,6 @@ void FarField::Sorter::finish(double budget) {
     }
     if (error_ <= budget) return;
     each *= std::min(0.7, 0.9 * budget / error_);
-  }
-}
-
-/// The lowest order whose remainder, relative to S^-nu, is at most `most`; else the highest.
-FarField::Sorter::Truncation FarField::Sorter::lowest_order(double two_nu, double q, double most) {
-  // The next term of the remainder falls with the order: where it is too much, so is the rest.
-  double term = 1.0;
-  int m = 0;
-  for (std::size_t i = 0;; ++i) {
-    for (; m <= kOrders[i]; ++m)
-      term *= q * (m + two_nu) * kReciprocal[static_cast<std::size_t>(m)];
-    const bool last = i + 1 == kOrders.size();
-    if (!last && term > most) continue;
-    const double error = series_remainder(two_nu, q, kOrders[i]);
-    if (last || error <= most) return {i, error};
   }
 }
 
@@ -123,7 +106,7 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
   double weight = 1.0;  // |binomial(-nu, j)| spread^j
   for (int j = 0; j < sets; ++j) {
     auto& cut = truncation[static_cast<std::size_t>(j)];
-    cut = lowest_order(field_.two_nu_ + 2 * j, q, share / weight);
+    cut = field_.remainders_[static_cast<std::size_t>(j)].lowest_order(q * q, share / weight);
     if (!(weight * cut.error <= share)) return false;
     error += weight * cut.error;
     weight *= spread * (nu + j) / (j + 1);
@@ -155,9 +138,9 @@ void FarField::Sorter::sort_element(std::uint32_t index, double each) {
   const FarElement& element = field_.tree_.elements()[index];
   const double d = distance(element, cell_.center);
   const double s = d * d + element.tau;
-  const double q = cell_.radius() / std::sqrt(s);
+  const double q2 = cell_.radius() * cell_.radius() / s;
   const double size = element.mass() * inverse_power(field_.two_nu_, s);
-  const Truncation cut = lowest_order(field_.two_nu_, q, 0.5 * each / size);
+  const Truncation cut = field_.remainders_[0].lowest_order(q2, 0.5 * each / size);
   const double error = size * cut.error;
   const int nodes = error <= 0.5 * each ? nodes_for(element, d, 0.5 * each) : 0;
   if (nodes == 0) {
