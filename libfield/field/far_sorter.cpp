@@ -13,6 +13,11 @@ namespace {
 /// Of the budget of a cell, for one source.
 constexpr double kGreatestShare = 1.0 / 32;
 
+/// |d_x| + |d_y| + |d_z|.
+double sum_of_sizes(const Vec3d& d) {
+  return std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+}
+
 }  // namespace
 
 double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
@@ -88,6 +93,12 @@ void FarField::Sorter::sort_node(std::uint32_t index, double each) {
   }
 }
 
+/// c of far_remainders.h: for x in the cell, moved by up to `radius`, |d.x| / sqrt(S) relative to
+/// the greatest |x|, where the components of d add up to l1 in absolute value.
+double FarField::Sorter::corner_share(double l1, double s, double radius) const {
+  return (cell_.half * l1 / std::sqrt(s) + radius) / (cell_.radius() + radius) * (1 + 1e-12);
+}
+
 /// Adds a cluster to the sources, if its error can be had under `each`. Where the tau of its
 /// elements differ, (S + t)^-nu = sum binomial(-nu, j) t^j S^(-nu - j): a series in space for each
 /// of kTauOrders powers of t, and the rest of that sum.
@@ -102,11 +113,12 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
   double error = sets > 1 ? spread_remainder(q, spread) : 0.0;
   if (!(error <= share)) return false;
 
+  const double c = corner_share(sum_of_sizes(d), s, node.radius);
   std::array<Truncation, kTauOrders> truncation;
   double weight = 1.0;  // |binomial(-nu, j)| spread^j
   for (int j = 0; j < sets; ++j) {
     auto& cut = truncation[static_cast<std::size_t>(j)];
-    cut = field_.remainders_[static_cast<std::size_t>(j)].lowest_order(q * q, share / weight);
+    cut = field_.remainders_[static_cast<std::size_t>(j)].lowest_order(q * q, c, share / weight);
     if (!(weight * cut.error <= share)) return false;
     error += weight * cut.error;
     weight *= spread * (nu + j) / (j + 1);
@@ -140,7 +152,11 @@ void FarField::Sorter::sort_element(std::uint32_t index, double each) {
   const double s = d * d + element.tau;
   const double q2 = cell_.radius() * cell_.radius() / s;
   const double size = element.mass() * inverse_power(field_.two_nu_, s);
-  const Truncation cut = field_.remainders_[0].lowest_order(q2, 0.5 * each / size);
+  // Of all places on the element, as it is convex.
+  const double l1 =
+      std::max(sum_of_sizes(cell_.center - element.a), sum_of_sizes(cell_.center - element.b));
+  const double c = corner_share(l1, s, 0.0);
+  const Truncation cut = field_.remainders_[0].lowest_order(q2, c, 0.5 * each / size);
   const double error = size * cut.error;
   const int nodes = error <= 0.5 * each ? nodes_for(element, d, 0.5 * each) : 0;
   if (nodes == 0) {

@@ -29,6 +29,7 @@ class FarField::Sorter {
 
   void sort_node(std::uint32_t index, double each);
   bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
+  double corner_share(double l1, double s, double radius) const;
   double spread_remainder(double q, double spread) const;
   void sort_element(std::uint32_t index, double each);
   int nodes_for(const FarElement& element, double d, double each);
