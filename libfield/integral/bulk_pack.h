@@ -120,10 +120,11 @@ struct BulkPack {
       }
       const auto add = [&](std::size_t place, const P& value) { sums[place] += value; };
       if (!spread) {
-        kernel_series(two_nu, order, d, s, weight, c, add);
+        kernel_series(two_nu, order, d, s, weight, add);
         continue;
       }
-      kernel_series(two_nu, order, d, s, weight, c, [](std::size_t, const P&) {});
+      kernel_series(two_nu, order, d, s, weight,
+                    [&](std::size_t place, const P& value) { c[place] = value; });
       load_moments(order, sources + first, count - first, moments);
       series_of_clusters(order, c, moments, clusters);
       visit_powers(

@@ -93,34 +93,37 @@ JetOf<T> series_jet(const double* series, const Vec3<T>& x) {
   return sum;
 }
 
-/// The coefficients c_k, up to that order, of (|d + x|^2 + tau)^-nu for S = |d|^2 + tau; `power` is
-/// S^-nu. Calls use(place, c_k) for each; `c` has room for kSeriesSize. Unrolled: the ends of so
-/// many short rows would be mispredicted.
+/// Calls use(place, c_k) for the coefficients, up to that order, of (|d + x|^2 + tau)^-nu for
+/// S = |d|^2 + tau; `power` is S^-nu. Those of x^a y^b z^n follow from those of lower a + b, of
+/// which two levels are kept, in the nearest cache. The lengths of the rows are known where they
+/// are run through, or their many ends would be mispredicted; all of it unrolled would be too much
+/// code.
 template <class T, class Use>
-void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const T& power, T* c,
+void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const T& power,
                    const Use& use) {
   using std::fma;
+  constexpr int kWidth = kTaylorOrder + 1;
   const T inverse = T(1) / s;
-  T first[kTaylorOrder + 1], second[kTaylorOrder + 1], along[kTaylorOrder + 1];
-  T none[kTaylorOrder + 1];
+  T first[kWidth], second[kWidth], along[kWidth], none[kWidth];
   for (int n = 0; n <= order; ++n) {
     first[n] = n > 0 ? inverse * T(-(2 * n - 2 + two_nu) / n) : T(0);
     second[n] = n > 0 ? inverse * T(-(n - 2 + two_nu) / n) : T(0);
     along[n] = first[n] * d.z;
     none[n] = T(0);
   }
-  const auto row = [&](int a, int b) { return c + series_index(a, b, 0); };
+  T level[3][(kWidth + 1) * (kWidth + 1) / 4];
+  const auto row = [&](int m, int a) { return level[m % 3] + a * (kWidth - m); };
 #pragma GCC unroll 16
   for (int m = 0; m <= kTaylorOrder; ++m) {
     if (m > order) return;
-#pragma GCC unroll 16
+#pragma GCC unroll 1
     for (int a = 0; a <= m; ++a) {
       const int b = m - a;
-      const T* ax = a > 0 ? row(a - 1, b) : none;
-      const T* bx = b > 0 ? row(a, b - 1) : none;
-      const T* ax2 = a > 1 ? row(a - 2, b) : none;
-      const T* bx2 = b > 1 ? row(a, b - 2) : none;
-      T* self = row(a, b);
+      const T* ax = a > 0 ? row(m - 1, a - 1) : none;
+      const T* bx = b > 0 ? row(m - 1, a) : none;
+      const T* ax2 = a > 1 ? row(m - 2, a - 2) : none;
+      const T* bx2 = b > 1 ? row(m - 2, a) : none;
+      T* self = row(m, a);
       const std::size_t place = series_index(a, b, 0);
       T before(0), last(0);  // along z
 #pragma GCC unroll 16

@@ -15,9 +15,8 @@ namespace {
 
 /// |(|d + x|^2 + tau)^-nu - its series up to that order|, S = 1.
 double error_at(double two_nu, int order, const Vec3d& d, const Vec3d& x) {
-  std::array<double, kSeriesSize> room{};
   Series series{};
-  kernel_series(two_nu, order, d, 1.0, 1.0, room.data(),
+  kernel_series(two_nu, order, d, 1.0, 1.0,
                 [&](std::size_t place, double value) { series[place] = value; });
   const double exact = std::pow(1.0 + 2.0 * dot(d, x) + squared_norm(x), -0.5 * two_nu);
   return std::abs(series_jet(series.data(), x).value - exact);
