@@ -15,7 +15,7 @@ namespace {
 
 /// A cell whose list is no longer is a leaf: about as many as are summed in the time that finer
 /// cells would take to set up.
-constexpr std::size_t kShortList = 896;
+constexpr std::size_t kShortList = 700;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
