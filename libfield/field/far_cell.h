@@ -26,6 +26,8 @@ struct FarField::Cell {
   double size = 0.0;     ///< sum of the absolute values of its coefficients
   double hessian = 0.0;  ///< >= the norm of its second derivative
   double third = 0.0;    ///< and of its third
+  double share = 0.0;    ///< of the cell's error budget, for one source
+  double error = 0.0;    ///< bound of that of the series, from the root on
   /// What is not in the series: nodes of the source tree, and elements.
   std::vector<std::uint32_t> nodes, elements;
   std::size_t listed = 0;           ///< elements in all of them

@@ -15,10 +15,17 @@ namespace {
 
 /// A cell whose list is no longer is a leaf: about as many as are summed in the time that finer
 /// cells would take to set up.
-constexpr std::size_t kShortList = 896;
+constexpr std::size_t kShortList = 700;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
+/// Half of the error budget is for the series along the way from the root. A cell with a long list
+/// serves many points and may cost much: it has a small part of what its parents have left. Those
+/// of the last levels, which are many, have a large one.
+constexpr std::size_t kLongList = 4000;
+constexpr double kEarlyPart = 1.0 / 16, kLatePart = 1.0 / 3;
+/// A list shrinks from level to level, so that each source that leaves it may leave open more.
+constexpr double kShareGrowth = 3.0;
 
 }  // namespace
 
@@ -36,6 +43,7 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
   for (std::size_t i = 0; i < kFarNodes.size(); ++i) {
     node_factor_[i] = node_factor(two_nu, kFarNodes[i]);
   }
+  for (int j = 0; j < kTauOrders; ++j) remainders_.emplace_back(two_nu + 2 * j);
   root_ = make_root(domain);
 }
 
@@ -52,21 +60,24 @@ std::unique_ptr<FarField::Cell> FarField::make_root(const Aabb& domain) const {
   const Vec3d half{root->half, root->half, root->half};
   root->lo = root->center - half;
   root->hi = root->center + half;
-  fill(*root, {0}, {}, tree_.elements().size());
+  fill(*root, {0}, {}, tree_.elements().size(), 1.0);
   return root;
 }
 
 void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
-                    const std::vector<std::uint32_t>& elements, std::size_t listed) const {
+                    const std::vector<std::uint32_t>& elements, std::size_t listed,
+                    double guess) const {
   Sorter sorter(*this, cell);
-  sorter.sort(nodes, elements, 0.5 * error_budget_ / kMostLevels);
+  const double rest = 0.5 * error_budget_ - cell.error;
+  const double part = listed > kLongList ? kEarlyPart : kLatePart;
+  cell.error += sorter.sort(nodes, elements, part * rest, guess);
   cell.measure_series();
   // Where all is close together, smaller cells do not help; nor where a cell holds so little of
   // the surface that its points are summed before finer cells are set up.
   const bool stuck = cell.level > 4 && 5 * cell.listed > 4 * listed;
   cell.leaf = cell.listed <= kShortList || cell.level == kMostLevels - 1 || stuck ||
               (cell.listed <= kLongestList && holds_few(cell));
-  if (cell.leaf) sorter.finish(0.5 * error_budget_);
+  if (cell.leaf) sorter.finish(error_budget_ - cell.error);
 }
 
 bool FarField::holds_few(const Cell& cell) const {
@@ -93,7 +104,8 @@ std::unique_ptr<FarField::Cell> FarField::make_child(const Cell& parent, int oct
   cell->center = parent.center + parent.half * offset;
   cell->level = parent.level + 1;
   cell->series = recentered(parent.series, offset, 0.5);
-  fill(*cell, parent.nodes, parent.elements, parent.listed);
+  cell->error = parent.error;
+  fill(*cell, parent.nodes, parent.elements, parent.listed, kShareGrowth * parent.share);
   return cell;
 }
 

@@ -16,6 +16,7 @@
 #include <span>
 #include <vector>
 
+#include "libfield/field/far_remainders.h"
 #include "libfield/field/source_tree.h"
 #include "libfield/field/term_bounds.h"
 #include "libfield/integral/point_sum.h"
@@ -72,7 +73,7 @@ class FarField {
   const Cell* visit_around(const Aabb& box, const Visit& visit) const;
   /// From the lists of its parent, of that many elements.
   void fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
-            const std::vector<std::uint32_t>& elements, std::size_t listed) const;
+            const std::vector<std::uint32_t>& elements, std::size_t listed, double guess) const;
   bool holds_few(const Cell& cell) const;
   Interval cluster_range(std::uint32_t index, const Aabb& box) const;
   std::unique_ptr<Cell> cell_of(const BoxBatch& batch, double& error) const;
@@ -88,6 +89,7 @@ class FarField {
 
   double two_nu_;
   SourceTree tree_;
+  std::vector<FarRemainders> remainders_;  ///< of nu + j, j < kTauOrders
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;

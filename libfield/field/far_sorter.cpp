@@ -10,19 +10,21 @@
 namespace cs2mesh {
 namespace {
 
-/// 1 / (m + 1).
-constexpr std::array<double, kTaylorOrder + 1> kReciprocal = [] {
-  std::array<double, kTaylorOrder + 1> all{};
-  for (std::size_t m = 0; m < all.size(); ++m) all[m] = 1.0 / static_cast<double>(m + 1);
-  return all;
-}();
+/// Of the budget of a cell, for one source.
+constexpr double kGreatestShare = 1.0 / 32;
+
+/// |d_x| + |d_y| + |d_z|.
+double sum_of_sizes(const Vec3d& d) {
+  return std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+}
 
 }  // namespace
 
 double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
-                              const std::vector<std::uint32_t>& elements, double budget) {
+                              const std::vector<std::uint32_t>& elements, double budget,
+                              double guess) {
   // What each may leave open is guessed; where the sum is too much, each has to do better.
-  double each = budget / 32;
+  double each = budget * std::min(guess, kGreatestShare);
   for (;;) {
     for (ByOrder& by_order : clusters_) {
       for (auto& sources : by_order) sources.clear();
@@ -35,6 +37,7 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
     if (error_ <= budget) break;
     each *= std::min(0.7, 0.9 * budget / error_);
   }
+  cell_.share = each / budget;
   sum_up();
   cell_.listed = cell_.elements.size();
   for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).count;
@@ -43,12 +46,12 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
 
 void FarField::Sorter::sum_up() {
   const auto add = bulk_table().add_sources;
-  for (std::size_t i = 0; i < kOrders.size(); ++i) {
+  for (std::size_t i = 0; i < kFarOrders.size(); ++i) {
     for (std::size_t j = 0; j < clusters_.size(); ++j) {
-      add(field_.two_nu_ + 2.0 * static_cast<double>(j), kOrders[i], clusters_[j][i].data(),
+      add(field_.two_nu_ + 2.0 * static_cast<double>(j), kFarOrders[i], clusters_[j][i].data(),
           clusters_[j][i].size(), cell_.series.data());
     }
-    add(field_.two_nu_, kOrders[i], single_[i].data(), single_[i].size(), cell_.series.data());
+    add(field_.two_nu_, kFarOrders[i], single_[i].data(), single_[i].size(), cell_.series.data());
   }
 }
 
@@ -74,21 +77,6 @@ void FarField::Sorter::finish(double budget) {
   }
 }
 
-/// The lowest order whose remainder, relative to S^-nu, is at most `most`; else the highest.
-FarField::Sorter::Truncation FarField::Sorter::lowest_order(double two_nu, double q, double most) {
-  // The next term of the remainder falls with the order: where it is too much, so is the rest.
-  double term = 1.0;
-  int m = 0;
-  for (std::size_t i = 0;; ++i) {
-    for (; m <= kOrders[i]; ++m)
-      term *= q * (m + two_nu) * kReciprocal[static_cast<std::size_t>(m)];
-    const bool last = i + 1 == kOrders.size();
-    if (!last && term > most) continue;
-    const double error = series_remainder(two_nu, q, kOrders[i]);
-    if (last || error <= most) return {i, error};
-  }
-}
-
 void FarField::Sorter::sort_node(std::uint32_t index, double each) {
   const SourceNode& node = field_.tree_.node(index);
   const Vec3d d = cell_.center - node.center;
@@ -105,6 +93,12 @@ void FarField::Sorter::sort_node(std::uint32_t index, double each) {
   }
 }
 
+/// c of far_remainders.h: for x in the cell, moved by up to `radius`, |d.x| / sqrt(S) relative to
+/// the greatest |x|, where the components of d add up to l1 in absolute value.
+double FarField::Sorter::corner_share(double l1, double s, double radius) const {
+  return (cell_.half * l1 / std::sqrt(s) + radius) / (cell_.radius() + radius) * (1 + 1e-12);
+}
+
 /// Adds a cluster to the sources, if its error can be had under `each`. Where the tau of its
 /// elements differ, (S + t)^-nu = sum binomial(-nu, j) t^j S^(-nu - j): a series in space for each
 /// of kTauOrders powers of t, and the rest of that sum.
@@ -119,11 +113,12 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
   double error = sets > 1 ? spread_remainder(q, spread) : 0.0;
   if (!(error <= share)) return false;
 
+  const double c = corner_share(sum_of_sizes(d), s, node.radius);
   std::array<Truncation, kTauOrders> truncation;
   double weight = 1.0;  // |binomial(-nu, j)| spread^j
   for (int j = 0; j < sets; ++j) {
     auto& cut = truncation[static_cast<std::size_t>(j)];
-    cut = lowest_order(field_.two_nu_ + 2 * j, q, share / weight);
+    cut = field_.remainders_[static_cast<std::size_t>(j)].lowest_order(q * q, c, share / weight);
     if (!(weight * cut.error <= share)) return false;
     error += weight * cut.error;
     weight *= spread * (nu + j) / (j + 1);
@@ -155,9 +150,13 @@ void FarField::Sorter::sort_element(std::uint32_t index, double each) {
   const FarElement& element = field_.tree_.elements()[index];
   const double d = distance(element, cell_.center);
   const double s = d * d + element.tau;
-  const double q = cell_.radius() / std::sqrt(s);
+  const double q2 = cell_.radius() * cell_.radius() / s;
   const double size = element.mass() * inverse_power(field_.two_nu_, s);
-  const Truncation cut = lowest_order(field_.two_nu_, q, 0.5 * each / size);
+  // Of all places on the element, as it is convex.
+  const double l1 =
+      std::max(sum_of_sizes(cell_.center - element.a), sum_of_sizes(cell_.center - element.b));
+  const double c = corner_share(l1, s, 0.0);
+  const Truncation cut = field_.remainders_[0].lowest_order(q2, c, 0.5 * each / size);
   const double error = size * cut.error;
   const int nodes = error <= 0.5 * each ? nodes_for(element, d, 0.5 * each) : 0;
   if (nodes == 0) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "libfield/field/far_cell.h"
+#include "libfield/field/far_remainders.h"
 #include "libfield/integral/far_sum.h"
 
 namespace cs2mesh {
@@ -15,26 +16,20 @@ class FarField::Sorter {
   Sorter(const FarField& field, Cell& cell) : field_(field), cell_(cell) {}
 
   /// Moves what is far enough of these nodes and elements into the cell's series, and the others
-  /// into its lists. Returns a bound of the error anywhere in the cell, at most `budget`.
+  /// into its lists. Returns a bound of the error anywhere in the cell, at most `budget`; `guess`
+  /// is the first try of the share of it that one source may have.
   double sort(const std::vector<std::uint32_t>& nodes, const std::vector<std::uint32_t>& elements,
-              double budget);
+              double budget, double guess);
 
   /// Divides what a leaf still lists into what is near and what a few points stand for.
   void finish(double budget);
 
  private:
-  /// Degrees at which a series may end.
-  static constexpr std::array<int, 6> kOrders = {0, 2, 4, 6, 8, kTaylorOrder};
-  using ByOrder = std::array<std::vector<SeriesSource>, kOrders.size()>;
-  /// An index into kOrders, with the error that it leaves.
-  struct Truncation {
-    std::size_t order = 0;
-    double error = 0.0;
-  };
+  using ByOrder = std::array<std::vector<SeriesSource>, kFarOrders.size()>;
 
-  static Truncation lowest_order(double two_nu, double q, double most);
   void sort_node(std::uint32_t index, double each);
   bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
+  double corner_share(double l1, double s, double radius) const;
   double spread_remainder(double q, double spread) const;
   void sort_element(std::uint32_t index, double each);
   int nodes_for(const FarElement& element, double d, double each);

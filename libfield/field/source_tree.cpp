@@ -166,9 +166,9 @@ void SourceTree::measure_leaf(const SourceNode& node, std::span<Series> moments)
   for (const FarElement& element : std::span(elements_).subspan(node.first, node.count)) {
     Series own{};
     if (element.length > 0) {
-      // Six nodes integrate all powers that count exactly.
-      constexpr const UnitRule<6>& rule = kUnitRule<6>;
-      for (std::size_t i = 0; i < 6; ++i) {
+      // Eight nodes integrate all powers that count exactly.
+      constexpr const UnitRule<8>& rule = kUnitRule<8>;
+      for (std::size_t i = 0; i < 8; ++i) {
         const Vec3d q = element.a + rule.node[i] * (element.b - element.a);
         add_place(inverse * (q - node.center), element.weight * element.length * rule.weight[i],
                   own);

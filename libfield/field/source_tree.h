@@ -61,7 +61,7 @@ struct SourceNode {
 /// Powers of tau's differences that moments are kept for, 0 included; see SourceTree::moments.
 inline constexpr int kTauOrders = 3;
 
-/// Immutable. Built in O(n log n); some 200 bytes an element, 500 where tau varies.
+/// Immutable. Built in O(n log n); some 300 bytes an element, 700 where tau varies.
 class SourceTree {
  public:
   SourceTree() = default;

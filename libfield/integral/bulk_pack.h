@@ -106,7 +106,7 @@ struct BulkPack {
   [[gnu::flatten]] static void add_sources(double two_nu, int order, const SeriesSource* sources,
                                            std::size_t count, double* series) {
     using P = Pack<N>;
-    P sums[kSeriesSize], c[kSeriesSize + 1], moments[kSeriesSize], clusters[kSeriesSize];
+    P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
     if (count == 0) return;
     const bool spread = sources[0].moments != nullptr;
     for (std::size_t first = 0; first < count; first += N) {
@@ -118,16 +118,21 @@ struct BulkPack {
         d.x.lane[i] = source.d.x, d.y.lane[i] = source.d.y, d.z.lane[i] = source.d.z;
         s.lane[i] = source.s, weight.lane[i] = source.weight;
       }
-      kernel_series(two_nu, order, d, s, weight, c);
-      if (spread) {
-        load_moments(order, sources + first, count - first, moments);
-        series_of_clusters(order, c, moments, clusters);
+      const auto add = [&](std::size_t place, const P& value) { sums[place] += value; };
+      if (!spread) {
+        kernel_series(two_nu, order, d, s, weight, add);
+        continue;
       }
-      const P* add = spread ? clusters : c;
-      sums[0] += add[0];
-      for (std::size_t i = 0; i < kSeriesSteps.end[static_cast<std::size_t>(order)]; ++i) {
-        sums[kSeriesSteps.step[i].self] += add[kSeriesSteps.step[i].self];
-      }
+      kernel_series(two_nu, order, d, s, weight,
+                    [&](std::size_t place, const P& value) { c[place] = value; });
+      load_moments(order, sources + first, count - first, moments);
+      series_of_clusters(order, c, moments, clusters);
+      visit_powers(
+          [&](int a, int b, int e) {
+            const std::size_t place = series_index(a, b, e);
+            add(place, clusters[place]);
+          },
+          order);
     }
     for (std::size_t k = 0; k < kSeriesSize; ++k) {
       for (int lane = 0; lane < N; ++lane) series[k] += sums[k].lane[lane];
@@ -137,11 +142,10 @@ struct BulkPack {
   /// The moments in the unit of the series.
   static void load_moments(int order, const SeriesSource* sources, std::size_t count,
                            Pack<N>* moments) {
-    for (std::size_t k = 0; k < kSeriesSize; ++k) moments[k] = Pack<N>(0.0);
-    for (std::size_t lane = 0; lane < N && lane < count; ++lane) {
+    for (std::size_t lane = 0; lane < N; ++lane) {
       const int i = static_cast<int>(lane);
-      const SeriesSource& source = sources[lane];
-      double power[kTaylorOrder + 1] = {1.0};
+      const SeriesSource& source = sources[lane < count ? lane : 0];
+      double power[kTaylorOrder + 1] = {lane < count ? 1.0 : 0.0};
       for (int n = 1; n <= kTaylorOrder; ++n) power[n] = power[n - 1] * source.size;
       visit_powers(
           [&](int a, int b, int e) {

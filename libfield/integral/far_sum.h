@@ -46,6 +46,39 @@ inline constexpr std::array<double, kSeriesSize> kFactorials = [] {
   return all;
 }();
 
+/// 1 / k! by place.
+inline constexpr std::array<double, kSeriesSize> kInverseFactorials = [] {
+  std::array<double, kSeriesSize> all{};
+  for (std::size_t k = 0; k < kSeriesSize; ++k) all[k] = 1.0 / kFactorials[k];
+  return all;
+}();
+
+/// Adds to series_of_clusters()' sums, times k!, those products whose longest row has M + 1
+/// coefficients, and all with shorter ones. Sorted so, the innermost loops have fixed lengths.
+template <int M, class T>
+void add_products(int order, const T* derivative, const T* moments, T* out) {
+  const int total = order - M;  // < 0 where there is no such row
+  for (int i = 0; i <= total; ++i) {
+    for (int j = 0; i + j <= total; ++j) {
+      const T* moment = moments + series_index(i, j, 0);
+      for (int a = 0; i + j + a <= total; ++a) {
+        const int b = total - i - j - a;
+        const T* from = derivative + series_index(a + i, b + j, 0);
+        T* sums = out + series_index(a, b, 0);
+        T sum[M + 1];
+        for (int e = 0; e <= M; ++e) sum[e] = sums[e];
+#pragma GCC unroll 16
+        for (int k = 0; k <= M; ++k) {
+#pragma GCC unroll 16
+          for (int e = 0; e <= M - k; ++e) sum[e] = fma(from[e + k], moment[k], sum[e]);
+        }
+        for (int e = 0; e <= M; ++e) sums[e] = sum[e];
+      }
+    }
+  }
+  if constexpr (M > 0) add_products<M - 1>(order, derivative, moments, out);
+}
+
 /// The series of clusters from that of their centres, lane by lane, into `out`:
 ///     out_k = 1 / k! sum_m (k + m)! c_(k + m) M_m, |k + m| <= order.
 template <class T>
@@ -54,22 +87,16 @@ void series_of_clusters(int order, const T* c, const T* moments, T* out) {
   const auto differentiate = [&](int a, int b, int e) {
     const std::size_t place = series_index(a, b, e);
     derivative[place] = c[place] * T(kFactorials[place]);
+    out[place] = T(0);
   };
   visit_powers(differentiate, order);
-  const auto shift = [&](int a, int b, int e) {
-    const int rest = order - a - b - e;
-    T sum(0);
-    for (int i = 0; i <= rest; ++i) {
-      for (int j = 0; i + j <= rest; ++j) {
-        const T* from = derivative.data() + series_index(a + i, b + j, e);
-        const T* moment = moments + series_index(i, j, 0);
-        for (int k = 0; i + j + k <= rest; ++k) sum = fma(from[k], moment[k], sum);
-      }
-    }
-    const std::size_t place = series_index(a, b, e);
-    out[place] = sum * T(1.0 / kFactorials[place]);
-  };
-  visit_powers(shift, order);
+  add_products<kTaylorOrder>(order, derivative.data(), moments, out);
+  visit_powers(
+      [&](int a, int b, int e) {
+        const std::size_t place = series_index(a, b, e);
+        out[place] *= T(kInverseFactorials[place]);
+      },
+      order);
 }
 
 }  // namespace detail

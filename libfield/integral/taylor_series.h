@@ -23,7 +23,7 @@
 
 namespace cs2mesh {
 
-inline constexpr int kTaylorOrder = 10;
+inline constexpr int kTaylorOrder = 14;
 
 namespace detail {
 
@@ -93,60 +93,51 @@ JetOf<T> series_jet(const double* series, const Vec3<T>& x) {
   return sum;
 }
 
-namespace detail {
-
-/// The recurrence for one coefficient: its place and those of c_(k - e_i) and c_(k - 2 e_i), which
-/// is kSeriesSize where there is none.
-struct SeriesStep {
-  std::uint16_t self, one[3], two[3];
-};
-
-/// All but the first, by degree: coefficients of one degree do not wait for each other.
-struct SeriesSteps {
-  std::array<SeriesStep, kSeriesSize - 1> step{};
-  std::array<std::size_t, kTaylorOrder + 1> end{};  ///< of the steps of that degree
-
-  constexpr SeriesSteps() {
-    std::size_t count = 0;
-    for (int n = 1; n <= kTaylorOrder; ++n) {
-      for (int a = n; a >= 0; --a) {
-        for (int b = n - a; b >= 0; --b) step[count++] = step_for(a, b, n - a - b);
-      }
-      end[static_cast<std::size_t>(n)] = count;
-    }
-  }
-
- private:
-  static constexpr std::uint16_t place(int a, int b, int c) {
-    const bool none = a < 0 || b < 0 || c < 0;
-    return static_cast<std::uint16_t>(none ? kSeriesSize : series_index(a, b, c));
-  }
-  static constexpr SeriesStep step_for(int a, int b, int c) {
-    return {place(a, b, c),
-            {place(a - 1, b, c), place(a, b - 1, c), place(a, b, c - 1)},
-            {place(a - 2, b, c), place(a, b - 2, c), place(a, b, c - 2)}};
-  }
-};
-inline constexpr SeriesSteps kSeriesSteps{};
-
-}  // namespace detail
-
-/// The coefficients c_k, up to that order, of (|d + x|^2 + tau)^-nu for S = |d|^2 + tau; `power` is
-/// S^-nu. `c` has room for kSeriesSize + 1.
-template <class T>
-void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const T& power, T* c) {
+/// Calls use(place, c_k) for the coefficients, up to that order, of (|d + x|^2 + tau)^-nu for
+/// S = |d|^2 + tau; `power` is S^-nu. Those of x^a y^b z^n follow from those of lower a + b, of
+/// which two levels are kept, in the nearest cache. The lengths of the rows are known where they
+/// are run through, or their many ends would be mispredicted; all of it unrolled would be too much
+/// code.
+template <class T, class Use>
+void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const T& power,
+                   const Use& use) {
+  using std::fma;
+  constexpr int kWidth = kTaylorOrder + 1;
   const T inverse = T(1) / s;
-  c[0] = power;
-  c[kSeriesSize] = T(0);
-  std::size_t i = 0;
-  for (int n = 1; n <= order; ++n) {
-    const T first = inverse * T(-(2 * n - 2 + two_nu) / n);
-    const T second = inverse * T(-(n - 2 + two_nu) / n);
-    for (; i < detail::kSeriesSteps.end[static_cast<std::size_t>(n)]; ++i) {
-      const detail::SeriesStep& k = detail::kSeriesSteps.step[i];
-      const T near = d.x * c[k.one[0]] + d.y * c[k.one[1]] + d.z * c[k.one[2]];
-      const T next = c[k.two[0]] + c[k.two[1]] + c[k.two[2]];
-      c[k.self] = first * near + second * next;
+  T first[kWidth], second[kWidth], along[kWidth], none[kWidth];
+  for (int n = 0; n <= order; ++n) {
+    first[n] = n > 0 ? inverse * T(-(2 * n - 2 + two_nu) / n) : T(0);
+    second[n] = n > 0 ? inverse * T(-(n - 2 + two_nu) / n) : T(0);
+    along[n] = first[n] * d.z;
+    none[n] = T(0);
+  }
+  T level[3][(kWidth + 1) * (kWidth + 1) / 4];
+  const auto row = [&](int m, int a) { return level[m % 3] + a * (kWidth - m); };
+#pragma GCC unroll 16
+  for (int m = 0; m <= kTaylorOrder; ++m) {
+    if (m > order) return;
+#pragma GCC unroll 1
+    for (int a = 0; a <= m; ++a) {
+      const int b = m - a;
+      const T* ax = a > 0 ? row(m - 1, a - 1) : none;
+      const T* bx = b > 0 ? row(m - 1, a) : none;
+      const T* ax2 = a > 1 ? row(m - 2, a - 2) : none;
+      const T* bx2 = b > 1 ? row(m - 2, a) : none;
+      T* self = row(m, a);
+      const std::size_t place = series_index(a, b, 0);
+      T before(0), last(0);  // along z
+#pragma GCC unroll 16
+      for (int k = 0; k <= kTaylorOrder - m; ++k) {
+        if (k > order - m) break;
+        const int n = m + k;
+        // What waits for the last coefficient comes last.
+        T value = fma(first[n], fma(d.y, bx[k], d.x * ax[k]), second[n] * (ax2[k] + bx2[k]));
+        value = fma(along[n], last, fma(second[n], before, value));
+        if (n == 0) value = power;
+        self[k] = value;
+        use(place + static_cast<std::size_t>(k), value);
+        before = last, last = value;
+      }
     }
   }
 }

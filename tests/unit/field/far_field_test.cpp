@@ -196,9 +196,8 @@ TEST(TaylorSeries, IsThatOfTheKernelWithinItsRemainder) {
       const double tau = random.uniform(0.0, 2.0), s = squared_norm(d) + tau;
       Series series{};
       const auto power = [&](double x) { return std::pow(x, -0.5 * two_nu); };
-      std::array<double, kSeriesSize + 1> coefficients{};
-      kernel_series(two_nu, kTaylorOrder, d, s, power(s), coefficients.data());
-      std::copy_n(coefficients.begin(), series.size(), series.begin());
+      kernel_series(two_nu, kTaylorOrder, d, s, power(s),
+                    [&](std::size_t place, double value) { series[place] = value; });
       const Vec3d x = random.uniform(0.0, 1.0) * random.direction();
       const double exact = power(squared_norm(d + x) + tau);
       const double remainder =

@@ -43,6 +43,18 @@ TEST(Carlson, AgreesWithAnIndependentImplementation) {
   }
 }
 
+TEST(Carlson, SeriesLeaveOutTheEighthDegree) {
+  using W = wide::Wide;
+  const W d(1e-10);  // carlson() itself, of wide numbers, has its arguments much closer together
+  const double least = 1e-75;  // (5 d)^8
+  for (const auto& [a, b, c] : {Vec3d{1, -2, 3}, {-1, 0.5, 2}, {3, 1, -1}, {-2, -1, 1}}) {
+    const W x = 1 + a * d, y = 1 + b * d, z = 1 + c * d;
+    const CarlsonPair<W> exact = carlson(x, y, z);
+    EXPECT_LT(abs(W(detail::carlson_rf_series(x, y, z) - exact.rf)), least);
+    EXPECT_LT(abs(W(detail::carlson_rd_series(x, y, z) - exact.rd)), least);
+  }
+}
+
 /// Off the arc, where the kernels that are unbounded there are not cut off.
 template <class Case>
 struct Beside : Case {

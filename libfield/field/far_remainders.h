@@ -1,0 +1,46 @@
+// At which order the series of a far source may end.
+//
+// The terms of degree m of (|d + x|^2 + tau)^-nu are those of Gegenbauer, and by Laplace's integral
+// (DLMF 18.10.4), with s = d.x / sqrt(S),
+//     |term| <= S^-nu binomial(m + 2 nu - 1, m) S^(-m/2) E (s^2 + (|x|^2 - s^2) t^2)^(m/2)
+// over t in [-1, 1] with density ~ (1 - t^2)^(nu - 1). Where |x| <= R and |s| <= c R that is at
+// most the greatest term of series_remainder(), q = R / sqrt(S), times
+//     E (c^2 + (1 - c^2) t^2)^(m/2),
+// which falls with m: a source that does not stand in the direction of a cube's corner needs fewer.
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "libfield/integral/taylor_series.h"
+
+namespace cs2mesh {
+
+/// Degrees at which a series may end.
+inline constexpr std::array<int, 6> kFarOrders = {2, 4, 6, 8, 10, kTaylorOrder};
+
+/// An index into kFarOrders, with a bound of the error that it leaves, relative to S^-nu.
+struct Truncation {
+  std::size_t order = 0;
+  double error = 0.0;
+};
+
+/// What series_remainder() gives, looked up: by q^2 in steps of 1/32 of a power of two, each with
+/// the remainder at its upper end, times the expectation above.
+class FarRemainders {
+ public:
+  explicit FarRemainders(double two_nu);
+
+  /// The lowest order whose remainder is at most `most`; else the highest, whose error is infinite
+  /// from q = 1 on. `c` as above, or larger.
+  Truncation lowest_order(double q2, double c, double most) const;
+
+ private:
+  using Row = std::array<double, kFarOrders.size()>;
+  std::vector<Row> rows_;
+  std::array<Row, 33> aside_{};  ///< the expectation, by c^2 in steps of 1/32; 1 from c = 1 on
+};
+
+}  // namespace cs2mesh
