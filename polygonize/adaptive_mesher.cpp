@@ -57,6 +57,12 @@ class Adaptive {
         SurfaceOctree::build(surface_, octree_options(request_, provable_));
     if (!tree) return Result<MesherResult>::failure(tree.diagnostics());
     look_at(*tree);
+    // Slits far below the smallest cell: better looked for than sampled by chance.
+    constexpr double kMuch = 0.005;
+    const double open = static_cast<double>(log_.open_leaves);
+    if (provable_ && open > kMuch * (open + static_cast<double>(log_.simple_leaves))) {
+      return mesh_by_lattice(surface_, request_);
+    }
     const OctreeMesh first = mesh_octree(surface_, *tree);
     log_.first_triangles = first.mesh.triangles.size();
     log_.jets += first.evaluations;

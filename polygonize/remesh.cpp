@@ -43,6 +43,9 @@ class Remesher {
     project(2);
     unfold();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
+      if (options_.progress != nullptr) {
+        options_.progress->report("remesh", static_cast<double>(round) / options_.rounds);
+      }
       find_lengths();
       for (const double share : {0.35, 0.55, 0.75}) collapse_short(share);
       flip_edges();

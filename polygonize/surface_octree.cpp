@@ -322,8 +322,11 @@ Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
   tree.jets_.push_back(surface.jet(tree.octree_.center(0)));
 
   std::vector<Index> open{0};
+  double progress = 0.0;
   while (!open.empty()) {
     const std::size_t first_new = tree.octree_.size();
+    if (options.progress != nullptr) options.progress->report("octree", progress);
+    progress = 1 - 0.7 * (1 - progress);  // how many rounds there will be is not known
     if (!tree.refine(open, options)) {
       if (cancelled(options.progress)) return error_at({}, "interrupted", Failure::interrupted);
       return error_at({},

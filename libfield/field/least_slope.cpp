@@ -88,6 +88,7 @@ void SlopeProgram::add(const Term& term, const BatchBox& box, const Vec3d& direc
   visit_pair(term, [&](const auto& kernel, const auto& primitive) {
     const Reach r = reach(term, primitive, local);
     Interval value = integral_range(kernel, primitive, r);
+    if (value.lo == 0 && value.hi == 0) return;  // beyond its support
     if (!term.profiles.empty()) {
       GradientSum sum;
       add_gradient_bound(term, box, sum);

@@ -1,0 +1,104 @@
+// Octrees that follow a surface, and what they prove.
+#include "polygonize/surface_octree.h"
+
+#include <gtest/gtest.h>
+
+#include "libfield/base/check.h"
+#include "libfield/base/random.h"
+#include "libfield/field/compile.h"
+#include "polygonize/adaptive_mesher.h"
+#include "polygonize/check.h"
+#include "tests/unit/polygonize/analytic_surfaces.h"
+
+namespace cs2mesh {
+namespace {
+
+using namespace analytic;
+
+SurfaceOctreeOptions fine(double tolerance) {
+  SurfaceOctreeOptions options;
+  options.tolerance = tolerance;
+  options.smallest = 0.02 * tolerance;
+  return options;
+}
+
+TEST(SurfaceOctree, EmptyLeavesHoldNoSurface) {
+  const Surface<Torus> torus;
+  const Result<SurfaceOctree> tree = SurfaceOctree::build(torus, fine(0.01));
+  const Octree& octree = tree->octree();
+  Random random(1, 1);
+  std::size_t leaves = 0;
+  for (Octree::Index i = 0; i < octree.size(); ++i) {
+    if (!octree.is_leaf(i) || tree->kind(i) != LeafKind::empty) continue;
+    ++leaves;
+    const Aabb box = octree.box(i);
+    for (int k = 0; k < 8; ++k) {
+      const Vec3d p{random.uniform(box.min.x, box.max.x), random.uniform(box.min.y, box.max.y),
+                    random.uniform(box.min.z, box.max.z)};
+      ASSERT_EQ(torus.value(p) >= 0, octree[i].inside);
+    }
+  }
+  EXPECT_GT(leaves, 1000U);
+}
+
+TEST(SurfaceOctree, SmoothSurfacesAreSimpleThroughout) {
+  const Surface<Torus> torus;
+  const Result<SurfaceOctree> tree = SurfaceOctree::build(torus, fine(0.01));
+  for (Octree::Index i = 0; i < tree->octree().size(); ++i) {
+    EXPECT_TRUE(!tree->octree().is_leaf(i) || tree->kind(i) != LeafKind::open);
+  }
+}
+
+TEST(SurfaceOctree, HeedsItsLimits) {
+  const Surface<Sphere> sphere;
+  SurfaceOctreeOptions options = fine(0.01);
+  options.max_cells = 100;
+  const Result<SurfaceOctree> tree = SurfaceOctree::build(sphere, options);
+  ASSERT_FALSE(tree);
+  EXPECT_EQ(tree.diagnostics().front().failure, Failure::limit);
+  options.tolerance = 0;
+  EXPECT_THROW((void)SurfaceOctree::build(sphere, options), ContractViolation);
+}
+
+/// Stiff Gaussian balls of radius 1/2 at the corners of a cube; they all but touch.
+Result<CompiledScene> balls(double gap, double blobbiness) {
+  Scene scene;
+  Material material;
+  material.name = "m";
+  material.kernel = KernelKind::gaussian;
+  material.radius = 0.5;
+  material.blobbiness = -blobbiness;
+  scene.materials.push_back(material);
+  for (int i = 0; i < 8; ++i) {
+    Element element;
+    const Int3 step = corner_step(i);
+    element.skeleton = Point{(1 + gap) * Vec3d{double(step.x), double(step.y), double(step.z)}};
+    scene.elements.push_back(element);
+  }
+  return compile(scene);
+}
+
+/// How many balls a mesh at a coarse tolerance has, and whether all of it is proven.
+std::pair<std::size_t, std::size_t> components_and_open(double gap) {
+  const Result<CompiledScene> compiled = balls(gap, 20);
+  MesherRequest request;
+  request.tolerance = 0.1;
+  request.thinnest_radius = 0.5;
+  AdaptiveStatistics log;
+  const Result<MesherResult> made = mesh_adaptive(*compiled->parts[0].surface, request, &log);
+  const MeshReport report = check(made->mesh);
+  EXPECT_TRUE(made->reached);
+  EXPECT_EQ(report.self_intersections.value_or(0), 0U);
+  return {report.components, log.open_leaves};
+}
+
+TEST(AdaptiveMesher, GapsFarBelowTheToleranceStayOpen) {
+  EXPECT_EQ(components_and_open(0.06), (std::pair<std::size_t, std::size_t>(8, 0)));
+}
+
+TEST(AdaptiveMesher, NecksFarBelowTheToleranceAreJoined) {
+  EXPECT_EQ(components_and_open(-0.02), (std::pair<std::size_t, std::size_t>(1, 0)));
+}
+
+}  // namespace
+}  // namespace cs2mesh
