@@ -1,5 +1,7 @@
 #include "polygonize/adaptive_mesher.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
@@ -7,6 +9,8 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/both_ways.h"
+#include "polygonize/closest_point.h"
+#include "polygonize/insert_points.h"
 #include "polygonize/mend_crossings.h"
 #include "polygonize/octree_mesh.h"
 #include "polygonize/refine.h"
@@ -24,7 +28,7 @@ constexpr double kRefined = 0.9, kAccept = 0.96;
 /// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
 SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
-  constexpr double kNeck = 1.0 / 64, kSmall = 0.35, kLattice = 1.25;
+  constexpr double kNeck = 1.0 / 64, kSmall = 0.35, kLattice = 0.8;
   SurfaceOctreeOptions options;
   options.tolerance = request.tolerance;
   options.prove = prove;
@@ -126,7 +130,8 @@ class Adaptive {
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);
     log_.jets += remeshed.jets;
     if (result.mesh.empty()) return result;
-    const double back = provable_ ? bring_near(result.mesh) : bring_near_both_ways(result.mesh);
+    const double back = provable_ ? bring_near(result.mesh, remeshed.on_surface)
+                                  : bring_near_both_ways(result.mesh);
     const GradientEstimate estimate(0.4 * request_.tolerance);
     result.error = std::max(
         back, back < HUGE_VAL ? estimate.largest_distance(surface_, result.mesh) : HUGE_VAL);
@@ -134,20 +139,48 @@ class Adaptive {
     return result;
   }
 
-  /// Refines the mesh where it is too far from the surface; infinite if triangles cross afterwards.
-  double bring_near(TriangleMesh& mesh) {
-    constexpr int kMostPasses = 4;
+  /// Refines the mesh where it is too far from the surface, and joins those of some points of the
+  /// surface that are too far from it. Returns how far they are then; infinite if triangles cross.
+  double bring_near(TriangleMesh& mesh, std::span<const Vec3d> on_surface) {
+    constexpr int kMostPasses = 6;
     RefineOptions refinement;
     refinement.tolerance = kRefined * request_.tolerance;
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
-    Crossings crossings = Crossings::mended;
-    for (int pass = 0; pass < kMostPasses && crossings == Crossings::mended; ++pass) {
+    for (int pass = 0; pass < kMostPasses; ++pass) {
       mesh = refine(surface_, std::move(mesh), refinement);
       log_.jets += mesh.triangles.size();
-      crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
+      const Crossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
+      if (crossings == Crossings::left) return HUGE_VAL;
+      if (crossings == Crossings::mended) continue;
+      const std::vector<LostPoint> lost = lost_points(mesh, on_surface);
+      if (lost.empty()) return 0.0;
+      if (insert_points(mesh, lost).empty()) return lost.front().distance;
     }
-    return crossings == Crossings::left ? HUGE_VAL : 0.0;
+    return HUGE_VAL;
+  }
+
+  /// The points that are too far from the mesh, the farthest first.
+  std::vector<LostPoint> lost_points(const TriangleMesh& mesh,
+                                     std::span<const Vec3d> on_surface) const {
+    constexpr std::size_t kChunk = 1024;
+    const ClosestPoint tree(mesh);
+    std::vector<std::vector<LostPoint>> chunks((on_surface.size() + kChunk - 1) / kChunk);
+    tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+      const auto points =
+          on_surface.subspan(kChunk * i, std::min(kChunk, on_surface.size() - kChunk * i));
+      tree.nearest_each(points, [&](std::size_t k, const ClosestPoint::Hit& hit) {
+        if (hit.distance > kRefined * request_.tolerance) {
+          chunks[i].push_back({points[k], hit.point, hit.distance, hit.triangle});
+        }
+      });
+    });
+    std::vector<LostPoint> lost;
+    for (const auto& chunk : chunks) lost.insert(lost.end(), chunk.begin(), chunk.end());
+    std::stable_sort(lost.begin(), lost.end(), [](const LostPoint& a, const LostPoint& b) {
+      return a.distance > b.distance;
+    });
+    return lost;
   }
 
   /// As above, and joins what there is of the surface too far from the mesh: without proof, that is

@@ -35,12 +35,16 @@ class Remesher {
         leaf_of_(leaf_of),
         mesh_(std::move(mesh)),
         normals_(leaf_of.size()),
+        last_step_(leaf_of.size(), 0.0),
         used_(leaf_of.size(), true) {
     sort_by_place();
   }
 
   TriangleMesh run() {
     project(2);
+    for (const Index v : order_) {
+      if (last_step_[v] <= 0.01 * options_.tolerance) statistics.on_surface.push_back(position(v));
+    }
     unfold();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
       if (options_.progress != nullptr) {
@@ -138,7 +142,8 @@ class Remesher {
       std::size_t kept = 0;
       for (std::size_t i = 0; i < open.size(); ++i) {
         const Index v = open[i];
-        if (place(v, points[i], jets[i]) > kThere * side_at(v)) open[kept++] = v;
+        last_step_[v] = place(v, points[i], jets[i]);
+        if (last_step_[v] > kThere * side_at(v)) open[kept++] = v;
       }
       open.resize(kept);
     }
@@ -416,6 +421,7 @@ class Remesher {
   EditableMesh mesh_;
   std::vector<Vec3d> normals_;
   std::vector<double> lengths_;
+  std::vector<double> last_step_;  ///< on the way to the surface
   std::vector<Index> order_;
   std::vector<bool> used_;
 };
@@ -429,7 +435,7 @@ TriangleMesh remesh(const ImplicitSurface& surface, const SurfaceOctree& tree, T
   require(leaf_of.size() == mesh.positions.size(), "remesh: one leaf a vertex");
   Remesher remesher(surface, tree, std::move(mesh), leaf_of, options);
   TriangleMesh result = remesher.run();
-  if (statistics != nullptr) *statistics = remesher.statistics;
+  if (statistics != nullptr) *statistics = std::move(remesher.statistics);
   return result;
 }
 

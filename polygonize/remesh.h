@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "libfield/base/progress.h"
 #include "polygonize/surface_octree.h"
@@ -26,6 +27,8 @@ struct RemeshOptions {
 struct RemeshStatistics {
   std::size_t collapses = 0, flips = 0;
   std::size_t jets = 0;
+  /// The vertices there were at first, on the surface to a hundredth of the tolerance.
+  std::vector<Vec3d> on_surface;
 };
 
 /// `mesh` is closed, oriented and 2-manifold (else ContractViolation), without attributes; it comes

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "libfield/base/check.h"
@@ -76,6 +77,34 @@ std::array<Aabb, 8> parts(const Octree& octree, Octree::Index cell) {
   }
   return boxes;
 }
+
+/// How often a box may be halved along all axes before it counts as not proven.
+constexpr int kDepth = 2;
+
+/// Asks whether F changes its sign at most once along every line of a direction in a box: where it
+/// grows along it on the surface in every part of the box, one direction for all.
+struct Grower {
+  const ImplicitSurface& surface;
+  Vec3d direction;
+  std::size_t slopes = 0;
+
+  bool grows_in(const Aabb& box, int depth) {
+    ++slopes;
+    if (surface.least_slope(box, direction) > 0) return true;
+    std::array<Aabb, 8> octants;
+    std::array<Interval, 8> ranges;
+    for (int i = 0; i < 8; ++i) {
+      const Vec3d center = box.center(), corner = box.corner(i);
+      octants[static_cast<std::size_t>(i)] = {min(center, corner), max(center, corner)};
+    }
+    surface.enclose_each(octants, ranges);
+    for (std::size_t i = 0; i < 8; ++i) {
+      if (!may_hold_zero(ranges[i])) continue;
+      if (depth == 0 || !grows_in(octants[i], depth - 1)) return false;
+    }
+    return true;
+  }
+};
 
 /// How much normals turn a length between the centre of one child and those of the others, or that
 /// of the parent.
@@ -165,8 +194,9 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
     const bool small = octree_[cell].level + 1 >= kLeastLevel && side <= options.largest &&
                        fits(side, turn, options.tolerance);
     if (options.prove && (small || !may_cut)) {
-      ++opened.counts.slopes;
-      if (opened.surface->least_slope(boxes[i], normal) > 0) child.kind = LeafKind::simple;
+      Grower grower{*opened.surface, normal};
+      if (grower.grows_in(boxes[i], kDepth)) child.kind = LeafKind::simple;
+      opened.counts.slopes += grower.slopes;
     }
     const bool done = child.kind == LeafKind::simple || !options.prove;
     child.cut = may_cut && !(small && done);
@@ -257,7 +287,7 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(
 
 /// Whether the surface in a dual cell is a graph or nothing, as far as can be proven: in the box of
 /// what of it lies in leaves that may hold surface.
-bool SurfaceOctree::is_simple(const DualCell& cell) const {
+bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
   Aabb box;
   Vec3d direction{};
   Index largest = 0;
@@ -270,10 +300,10 @@ bool SurfaceOctree::is_simple(const DualCell& cell) const {
   box.include(octree_.point(meeting_point(octree_, cell)));
   const ImplicitSurface& surface =
       surface_box(largest).contains(box) ? surface_at(largest) : *surfaces_.front();
-  if (surface.least_slope(box, direction) > 0) return true;
-  Interval range;
-  surface.enclose_each({&box, 1}, {&range, 1});
-  return !may_hold_zero(range);
+  Grower grower{surface, direction};
+  const bool grows = grower.grows_in(box, kDepth);
+  slopes += grower.slopes;
+  return grows;
 }
 
 /// The largest leaves of dual cells that are not simple, of those around leaves from `first_new` on
@@ -292,13 +322,14 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
   const std::vector<DualCell> cells = dual_cells_around(octree_, marked);
   std::vector<char> simple(cells.size(), 1);
   constexpr std::size_t kChunk = 256;
-  tbb::parallel_for(std::size_t{0}, (cells.size() + kChunk - 1) / kChunk, [&](std::size_t chunk) {
+  std::vector<std::size_t> slopes((cells.size() + kChunk - 1) / kChunk, 0);
+  tbb::parallel_for(std::size_t{0}, slopes.size(), [&](std::size_t chunk) {
     const std::size_t last = std::min(kChunk * (chunk + 1), cells.size());
     for (std::size_t i = kChunk * chunk; i < last && !cancelled(options.progress); ++i) {
-      simple[i] = is_simple(cells[i]) ? 1 : 0;
+      simple[i] = is_simple(cells[i], slopes[chunk]) ? 1 : 0;
     }
   });
-  counts_.slopes += cells.size();
+  counts_.slopes += std::accumulate(slopes.begin(), slopes.end(), std::size_t{0});
   std::vector<bool> chosen(octree_.size(), false);
   for (std::size_t i = 0; i < cells.size(); ++i) {
     if (simple[i] != 0) continue;

@@ -80,7 +80,7 @@ class SurfaceOctree {
   void choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
                       std::vector<bool>& chosen) const;
   std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
-  bool is_simple(const DualCell& cell) const;
+  bool is_simple(const DualCell& cell, std::size_t& slopes) const;
 
   Octree octree_;
   Counts counts_;
