@@ -37,7 +37,7 @@ SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
     const double lattice =
         expected_cell(request.thinnest_radius, request.creased, request.tolerance);
     options.largest = kLattice * lattice;
-    options.smallest = std::max(0.25 * lattice, kSmall * request.tolerance);
+    options.smallest = std::clamp(kSmall * request.tolerance, 0.25 * lattice, 0.4 * lattice);
   }
   options.max_cells = request.max_nodes;
   options.progress = request.progress;
