@@ -23,7 +23,7 @@ namespace {
 /// Parts of the tolerance: what remeshing aims at, in one attempt after the other; what triangles
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
-constexpr double kRefined = 0.9, kAccept = 0.96;
+constexpr double kRefined = 0.9, kLost = 0.85, kAccept = 0.96;
 
 /// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
@@ -148,12 +148,14 @@ class Adaptive {
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
     for (int pass = 0; pass < kMostPasses; ++pass) {
-      mesh = refine(surface_, std::move(mesh), refinement);
+      RefineStatistics refined;
+      mesh = refine(surface_, std::move(mesh), refinement, &refined);
       log_.jets += mesh.triangles.size();
       const Crossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
       if (crossings == Crossings::left) return HUGE_VAL;
       if (crossings == Crossings::mended) continue;
-      const std::vector<LostPoint> lost = lost_points(mesh, on_surface);
+      std::vector<LostPoint> lost = lost_points(mesh, on_surface);
+      lost.insert(lost.end(), refined.far.begin(), refined.far.end());
       if (lost.empty()) return 0.0;
       if (insert_points(mesh, lost).empty()) return lost.front().distance;
     }
@@ -170,7 +172,7 @@ class Adaptive {
       const auto points =
           on_surface.subspan(kChunk * i, std::min(kChunk, on_surface.size() - kChunk * i));
       tree.nearest_each(points, [&](std::size_t k, const ClosestPoint::Hit& hit) {
-        if (hit.distance > kRefined * request_.tolerance) {
+        if (hit.distance > kLost * request_.tolerance) {
           chunks[i].push_back({points[k], hit.point, hit.distance, hit.triangle});
         }
       });

@@ -126,11 +126,10 @@ class Refiner {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       const double distance = first_order_distance(jets[i], kInfinity);
       found[i] = far_point(triangles[i], points[i], distance);
-      if (found[i] ||
-          !asks_closer_look(mesh_, triangles[i], jets[i], distance, kDoubt * options_.tolerance)) {
-        continue;
-      }
-      const auto more = closer_points(mesh_, triangles[i]);
+      if (found[i]) continue;
+      const auto more =
+          more_points(mesh_, triangles[i],
+                      look_of(mesh_, triangles[i], jets[i], distance, kDoubt * options_.tolerance));
       closer.insert(closer.end(), more.begin(), more.end());
       doubtful.insert(doubtful.end(), more.size(), i);
     }

@@ -51,14 +51,15 @@ class Remesher {
         options_.progress->report("remesh", static_cast<double>(round) / options_.rounds);
       }
       find_lengths();
-      for (const double share : {0.35, 0.55, 0.75}) collapse_short(share);
+      for (const double share : {0.4, 0.6, kShortest}) collapse_short(share);
       flip_edges();
       relax();
       flip_edges();
     }
-    find_lengths();
-    collapse_short(0.8);
-    flip_edges();
+    for (int round = 0; round < kSmoothing; ++round) {
+      relax();
+      flip_edges();
+    }
     settle();
     return mesh_.take();
   }
@@ -180,12 +181,24 @@ class Remesher {
   }
   /// How far triangles at a vertex may be from the surface: where cells are small, other sheets may
   /// be near.
-  double allowed(Index v) const {
+  double allowed(Index v, double slack = 1.0) const {
     constexpr double kCellShare = 0.5;
-    return std::min(kAim * options_.tolerance, kCellShare * side_at(v));
+    return std::min(slack * kAim * options_.tolerance, kCellShare * side_at(v));
+  }
+  /// Where the surface is smooth, triangles may be farther from it at first: flipping and moving
+  /// spreads the error.
+  double slack_of(Index a, Index b, Index c) const {
+    constexpr double kSmooth = 0.9;  // cosine between normals
+    constexpr double kSlack = 1.6;
+    const bool smooth = dot(normals_[a], normals_[b]) > kSmooth &&
+                        dot(normals_[b], normals_[c]) > kSmooth &&
+                        dot(normals_[c], normals_[a]) > kSmooth;
+    return smooth ? kSlack : 1.0;
   }
   bool is_near(Index a, Index b, Index c) const {
-    return deviation_of(a, b, c) <= std::min({allowed(a), allowed(b), allowed(c)});
+    const double slack = slack_of(a, b, c);
+    return deviation_of(a, b, c) <=
+           std::min({allowed(a, slack), allowed(b, slack), allowed(c, slack)});
   }
 
   /// The squared length of edges that suits the curvature at each vertex, graded.
@@ -238,7 +251,7 @@ class Remesher {
   bool near_vertex(Index v, Index a, Index b, Index c) const {
     const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
     const double height = dot(area, position(v) - position(a));
-    return std::abs(height) <= allowed(v) * norm(area);
+    return std::abs(height) <= allowed(v, slack_of(a, b, c)) * norm(area);
   }
 
   bool faces_outward(Index a, Index b, Index c) const {
@@ -395,8 +408,9 @@ class Remesher {
     for (int round = 0; round < kMostRounds; ++round) {
       bool any = false;
       for (const auto& t : mesh_.mesh().triangles) {
-        if (t[0] == t[1] || (faces_outward(t[0], t[1], t[2]) &&
-                             deviation_of(t[0], t[1], t[2]) <= options_.tolerance)) {
+        if (t[0] == t[1] ||
+            (faces_outward(t[0], t[1], t[2]) &&
+             deviation_of(t[0], t[1], t[2]) <= slack_of(t[0], t[1], t[2]) * options_.tolerance)) {
           continue;
         }
         for (const Index v : t) {
@@ -411,7 +425,10 @@ class Remesher {
     }
   }
 
-  static constexpr double kAim = 0.85;  ///< of the tolerance
+  static constexpr double kAim = 0.72;  ///< of the tolerance
+  /// Edges are collapsed below this share of the length that suits the curvature.
+  static constexpr int kSmoothing = 3;  ///< rounds of moving and flipping alone, at the end
+  static constexpr double kShortest = 0.8;
   static constexpr double kTurn = 0.2;  ///< least cosine between a triangle and its normals
 
   const ImplicitSurface& surface_;

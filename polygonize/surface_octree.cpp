@@ -30,7 +30,8 @@ bool may_hold_zero(const Interval& f) {
 /// an equilateral triangle with its corners on a sphere is that far off in its middle. (Where the
 /// surface turns within less than a side, as in a groove, `turn` is an average, and so is this.)
 bool fits(double side, double turn, double tolerance) {
-  return turn * side * side <= 6 * tolerance;
+  constexpr double kEdges = 2.5;  // 6 if all edges of the mesh were as long as a side
+  return turn * side * side <= kEdges * tolerance;
 }
 
 /// The cube in which the octree begins: the bounds with room for a leaf of air around, and off

@@ -56,14 +56,24 @@ std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const Trian
   points.clear();
   triangles.clear();
   for (const Sample& sample : samples) {
-    if (!asks_closer_look(mesh, sample.triangle, sample.jet, sample.distance, closer)) continue;
-    for (const Vec3d& p : closer_points(mesh, sample.triangle)) {
+    const Look look = look_of(mesh, sample.triangle, sample.jet, sample.distance, closer);
+    for (const Vec3d& p : more_points(mesh, sample.triangle, look)) {
       points.push_back(p);
       triangles.push_back(sample.triangle);
     }
   }
   append_samples(surface, points, triangles, samples);
   return samples;
+}
+
+/// An upper bound of the distance of the surface from a sample. Between near sheets the way along
+/// the gradient may pass the nearer one.
+double distance_from(const ImplicitSurface& surface, const Sample& sample) {
+  constexpr double kMuchFarther = 1.1;
+  const double distance = find_foot(surface, sample.point, sample.distance).distance;
+  if (distance <= kMuchFarther * sample.distance) return distance;
+  const std::optional<SignChange> nearer = search_around(surface, sample.point, distance);
+  return nearer ? std::min(distance, nearer->distance) : distance;
 }
 
 /// First-order distances of all samples.
@@ -112,7 +122,7 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
     const std::size_t count = std::min(kBatch, samples.size() - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       const Sample& sample = samples[first + i];
-      distances[i] = find_foot(surface, sample.point, sample.distance).distance;
+      distances[i] = distance_from(surface, sample);
     });
     const auto end = distances.begin() + static_cast<std::ptrdiff_t>(count);
     largest = std::max(largest, *std::max_element(distances.begin(), end));

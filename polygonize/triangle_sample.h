@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <vector>
 
 #include "libfield/base/jet.h"
 #include "polygonize/triangle_mesh.h"
@@ -63,14 +64,38 @@ inline double first_order_distance(const Jet& jet, double otherwise) {
   return distance <= otherwise ? distance : otherwise;
 }
 
-/// Whether the jet at the sample point of a triangle says too little: from the distance `closer`
-/// on, and where the surface there leans away from the triangle, so that it turns within it.
-inline bool asks_closer_look(const TriangleMesh& mesh, std::size_t triangle, const Jet& jet,
-                             double distance, double closer) {
+/// How closely a triangle is to be looked at.
+enum class Look { enough, closer, all_over };
+
+/// What the jet at the sample point of a triangle leaves open: closer from the distance `closer`
+/// on, all over where the surface leans away from the triangle, so that it turns within it.
+inline Look look_of(const TriangleMesh& mesh, std::size_t triangle, const Jet& jet, double distance,
+                    double closer) {
   constexpr double kLeaning = 0.9;  // cosine
-  if (distance > closer) return true;
   const Vec3d area = area_vector(mesh, triangle);
-  return !(-dot(area, jet.gradient) > kLeaning * norm(area) * norm(jet.gradient));
+  if (!(-dot(area, jet.gradient) > kLeaning * norm(area) * norm(jet.gradient))) {
+    return Look::all_over;
+  }
+  return distance > closer ? Look::closer : Look::enough;
+}
+
+/// The points of that look beyond the sample point.
+inline std::vector<Vec3d> more_points(const TriangleMesh& mesh, std::size_t triangle, Look look) {
+  std::vector<Vec3d> points;
+  if (look == Look::closer) {
+    const auto few = closer_points(mesh, triangle);
+    points.assign(few.begin(), few.end());
+  } else if (look == Look::all_over) {
+    constexpr int kSteps = 9;
+    const auto& t = mesh.triangles[triangle];
+    const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+    for (int i = 0; i <= kSteps; ++i) {
+      for (int j = 0; i + j <= kSteps; ++j) {
+        points.push_back((1.0 / kSteps) * (i * a + j * b + (kSteps - i - j) * c));
+      }
+    }
+  }
+  return points;
 }
 
 }  // namespace cs2mesh

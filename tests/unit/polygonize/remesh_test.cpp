@@ -52,7 +52,7 @@ TriangleMesh remeshed(const ImplicitSurface& surface, double tolerance, RemeshSt
   return remesh(surface, *tree, first.mesh, first.leaf_of, {tolerance}, &log);
 }
 
-TEST(Remesh, KeepsTopologyAndTolerance) {
+TEST(Remesh, KeepsTheTopologyAndAllButTheTolerance) {
   const Surface<Torus> torus;
   RemeshStatistics log;
   const TriangleMesh mesh = remeshed(torus, 0.002, log);
@@ -62,7 +62,7 @@ TEST(Remesh, KeepsTopologyAndTolerance) {
   EXPECT_GT(log.collapses, 100U);
   MeasureOptions options;
   options.samples = 20'000;
-  EXPECT_LT(measure(torus, mesh, options).max(), 0.002 * 1.05);
+  EXPECT_LT(measure(torus, mesh, options).max(), 0.002 * 1.3) << "the rest is for refine()";
 }
 
 TEST(Remesh, ASphereTakesLittleMoreThanTheOptimum) {
@@ -71,7 +71,7 @@ TEST(Remesh, ASphereTakesLittleMoreThanTheOptimum) {
   const double tolerance = 1e-3;
   const TriangleMesh mesh = remeshed(sphere, tolerance, log);
   const double optimum = 0.385 * 4 * std::numbers::pi / tolerance;  // hexagonal, on the surface
-  EXPECT_LT(static_cast<double>(mesh.triangles.size()), 2.2 * optimum);
+  EXPECT_LT(static_cast<double>(mesh.triangles.size()), 1.75 * optimum);
   for (const Vec3d& p : mesh.positions) EXPECT_NEAR(norm(p), 1.0, 1e-9);
 }
 
