@@ -20,6 +20,8 @@
 namespace cs2mesh {
 namespace {
 
+/// Triangles smaller than so many tolerances are looked at closely.
+constexpr double kSmall = 8.0;
 /// Parts of the tolerance: what remeshing aims at, in one attempt after the other; what triangles
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
@@ -28,16 +30,16 @@ constexpr double kRefined = 0.9, kLost = 0.85, kAccept = 0.96;
 /// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
 SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
-  constexpr double kNeck = 1.0 / 64, kSmall = 0.35, kLattice = 0.8;
+  constexpr double kNeck = 1.0 / 64, kShare = 0.35, kLattice = 0.8;
   SurfaceOctreeOptions options;
   options.tolerance = request.tolerance;
   options.prove = prove;
-  options.smallest = std::min(kSmall * request.tolerance, kNeck * request.thinnest_radius);
+  options.smallest = std::min(kShare * request.tolerance, kNeck * request.thinnest_radius);
   if (!prove) {
     const double lattice =
         expected_cell(request.thinnest_radius, request.creased, request.tolerance);
     options.largest = kLattice * lattice;
-    options.smallest = std::clamp(kSmall * request.tolerance, 0.25 * lattice, 0.4 * lattice);
+    options.smallest = std::clamp(kShare * request.tolerance, 0.25 * lattice, 0.4 * lattice);
   }
   options.max_cells = request.max_nodes;
   options.progress = request.progress;
@@ -132,7 +134,7 @@ class Adaptive {
     if (result.mesh.empty()) return result;
     const double back = provable_ ? bring_near(result.mesh, remeshed.on_surface)
                                   : bring_near_both_ways(result.mesh);
-    const GradientEstimate estimate(0.4 * request_.tolerance);
+    const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
     result.error = std::max(
         back, back < HUGE_VAL ? estimate.largest_distance(surface_, result.mesh) : HUGE_VAL);
     log_.jets += result.mesh.triangles.size();
@@ -145,6 +147,7 @@ class Adaptive {
     constexpr int kMostPasses = 6;
     RefineOptions refinement;
     refinement.tolerance = kRefined * request_.tolerance;
+    refinement.small = kSmall * request_.tolerance;
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
     for (int pass = 0; pass < kMostPasses; ++pass) {

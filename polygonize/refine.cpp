@@ -127,9 +127,9 @@ class Refiner {
       const double distance = first_order_distance(jets[i], kInfinity);
       found[i] = far_point(triangles[i], points[i], distance);
       if (found[i]) continue;
-      const auto more =
-          more_points(mesh_, triangles[i],
-                      look_of(mesh_, triangles[i], jets[i], distance, kDoubt * options_.tolerance));
+      const auto more = more_points(mesh_, triangles[i],
+                                    look_of(mesh_, triangles[i], jets[i], distance,
+                                            kDoubt * options_.tolerance, options_.small));
       closer.insert(closer.end(), more.begin(), more.end());
       doubtful.insert(doubtful.end(), more.size(), i);
     }

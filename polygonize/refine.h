@@ -22,6 +22,9 @@ namespace cs2mesh {
 struct RefineOptions {
   double tolerance = 0.0;  ///< scene units, > 0
   int most_rounds = 10;
+  /// Triangles smaller than this are looked at in more places, as where the surface has features
+  /// not much larger than the tolerance.
+  double small = 0.0;
   /// Triangles without a vertex of this number or above are known to be near enough.
   TriangleMesh::Index first_new = 0;
   /// If set, the only triangles that the first round looks at; later ones at what is new.

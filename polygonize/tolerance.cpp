@@ -44,7 +44,8 @@ void append_samples(const ImplicitSurface& surface, std::span<const Vec3d> point
 
 /// One sample of each triangle in [first, last), and more of those that ask for it.
 std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const TriangleMesh& mesh,
-                                     std::size_t first, std::size_t last, double closer) {
+                                     std::size_t first, std::size_t last, double closer,
+                                     double small) {
   std::vector<Vec3d> points;
   std::vector<std::size_t> triangles;
   for (std::size_t t = first; t < last; ++t) {
@@ -56,7 +57,7 @@ std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const Trian
   points.clear();
   triangles.clear();
   for (const Sample& sample : samples) {
-    const Look look = look_of(mesh, sample.triangle, sample.jet, sample.distance, closer);
+    const Look look = look_of(mesh, sample.triangle, sample.jet, sample.distance, closer, small);
     for (const Vec3d& p : more_points(mesh, sample.triangle, look)) {
       points.push_back(p);
       triangles.push_back(sample.triangle);
@@ -78,12 +79,13 @@ double distance_from(const ImplicitSurface& surface, const Sample& sample) {
 
 /// First-order distances of all samples.
 std::vector<Sample> first_order_distances(const ImplicitSurface& surface, const TriangleMesh& mesh,
-                                          double closer) {
+                                          double closer, double small) {
   const std::size_t count = mesh.triangles.size();
   std::vector<std::vector<Sample>> chunks((count + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
     const std::size_t first = kChunk * i;
-    chunks[i] = sample_triangles(surface, mesh, first, std::min(first + kChunk, count), closer);
+    chunks[i] =
+        sample_triangles(surface, mesh, first, std::min(first + kChunk, count), closer, small);
   });
   std::vector<Sample> samples;
   for (const auto& chunk : chunks) samples.insert(samples.end(), chunk.begin(), chunk.end());
@@ -108,7 +110,7 @@ constexpr double kCloser = 0.4;
 
 double GradientEstimate::largest_distance(const ImplicitSurface& surface,
                                           const TriangleMesh& mesh) const {
-  std::vector<Sample> samples = first_order_distances(surface, mesh, closer_);
+  std::vector<Sample> samples = first_order_distances(surface, mesh, closer_, small_);
 
   // The first order errs far from the surface, near creases and between walls: look closely at the
   // farthest, until none of the others can be farther than what was found.

@@ -70,13 +70,16 @@ enum class Look { enough, closer, all_over };
 /// What the jet at the sample point of a triangle leaves open: closer from the distance `closer`
 /// on, all over where the surface leans away from the triangle, so that it turns within it.
 inline Look look_of(const TriangleMesh& mesh, std::size_t triangle, const Jet& jet, double distance,
-                    double closer) {
+                    double closer, double small) {
   constexpr double kLeaning = 0.9;  // cosine
   const Vec3d area = area_vector(mesh, triangle);
   if (!(-dot(area, jet.gradient) > kLeaning * norm(area) * norm(jet.gradient))) {
-    return Look::all_over;
+    return small > 0 ? Look::all_over : Look::closer;
   }
-  return distance > closer ? Look::closer : Look::enough;
+  const auto& t = mesh.triangles[triangle];
+  const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];
+  const double longest = std::max({squared_norm(b - a), squared_norm(c - b), squared_norm(a - c)});
+  return distance > closer || longest < small * small ? Look::closer : Look::enough;
 }
 
 /// The points of that look beyond the sample point.
