@@ -25,7 +25,7 @@ constexpr double kSmall = 8.0;
 /// Parts of the tolerance: what remeshing aims at, in one attempt after the other; what triangles
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
-constexpr double kRefined = 0.9, kLost = 0.85, kAccept = 0.96;
+constexpr double kRefined = 0.88, kLost = 0.75, kAccept = 0.96;
 
 /// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
