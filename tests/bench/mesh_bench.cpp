@@ -1,20 +1,21 @@
-// Meshes a scene with our mesher and with the peers that are built in, in one run on one thread
-// each, and measures every mesh both ways against the exact surface.
+// Meshes a scene with each of our meshers and with the peers that are built in, in one run on one
+// thread each, and measures every mesh both ways against the exact surface.
 //
-//   mesh_bench [SCENE TOLERANCE [SAMPLES]]
+//   mesh_bench [SCENE TOLERANCE [SAMPLES [MESHER]]]
 //
-// Without arguments: the spindle cowrie at 0.1 % of its diagonal.
+// Without arguments: the spindle cowrie at 0.1 % of its diagonal. With a mesher, that alone.
 #include <tbb/global_control.h>
 
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <string_view>
 
 #include "libfield/art/read_art.h"
 #include "libfield/field/compile.h"
+#include "polygonize/mesher.h"
 #include "polygonize/metrology.h"
-#include "polygonize/tolerance.h"
 #if CS2MESH_WITH_CGAL
 #include "tests/bench/cgal_peer.h"
 #endif
@@ -54,7 +55,7 @@ Vec3d point_inside(const ImplicitSurface& surface) {
   }
 }
 
-int run(const char* path, double tolerance, std::size_t samples) {
+int run(const char* path, double tolerance, std::size_t samples, std::string_view only) {
   const Result<Scene> scene = read_art(path);
   if (!scene) {
     std::fprintf(stderr, "%s\n", to_string(scene.diagnostics().front()).c_str());
@@ -69,9 +70,18 @@ int run(const char* path, double tolerance, std::size_t samples) {
   std::printf("%s: %zu primitives, tolerance %g\n", path, part.primitive_count, tolerance);
 
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
-  print_row("cs2mesh lattice", *part.surface, samples, [&] {
-    return mesh_to_tolerance(*part.surface, part.thinnest_radius, part.creased, tolerance)->mesh;
-  });
+  MesherRequest request;
+  request.tolerance = tolerance;
+  request.thinnest_radius = part.thinnest_radius;
+  request.creased = part.creased;
+  for (const Mesher& mesher : meshers()) {
+    if (!only.empty() && only != mesher.name) continue;
+    print_row(mesher.name.data(), *part.surface, samples, [&] {
+      const Result<MesherResult> made = mesher.mesh(*part.surface, request);
+      return made ? made->mesh : TriangleMesh{};
+    });
+  }
+  if (!only.empty()) return 0;
 #if CS2MESH_WITH_CGAL
   print_row("CGAL make_surface_mesh", *part.surface, samples, [&] {
     bench::CgalPeerOptions options;
@@ -88,11 +98,12 @@ int run(const char* path, double tolerance, std::size_t samples) {
 }  // namespace cs2mesh
 
 int main(int argc, char** argv) {
-  if (argc == 1) return cs2mesh::run(CS2MESH_SOURCE_DIR "/data/scenes/cowrie.art", 5.7e-3, 100000);
+  if (argc == 1)
+    return cs2mesh::run(CS2MESH_SOURCE_DIR "/data/scenes/cowrie.art", 5.7e-3, 100000, {});
   if (argc < 3) {
-    std::fprintf(stderr, "usage: mesh_bench [SCENE TOLERANCE [SAMPLES]]\n");
+    std::fprintf(stderr, "usage: mesh_bench [SCENE TOLERANCE [SAMPLES [MESHER]]]\n");
     return 2;
   }
   const std::size_t samples = argc > 3 ? std::strtoull(argv[3], nullptr, 10) : 100000;
-  return cs2mesh::run(argv[1], std::strtod(argv[2], nullptr), samples);
+  return cs2mesh::run(argv[1], std::strtod(argv[2], nullptr), samples, argc > 4 ? argv[4] : "");
 }
