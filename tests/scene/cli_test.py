@@ -86,7 +86,9 @@ class Meshing(SceneTest):
             self.assertIs(report[key], True)
         self.assertEqual(report["self_intersections"], 0)
         self.assertEqual((report["components"], report["genus"]), (1, 0))
-        self.assertAlmostEqual(report["volume"], 4 / 3 * math.pi, delta=0.02)
+        # A layer as thick as the tolerance, all around.
+        layer = report["tolerance"] * 4 * math.pi
+        self.assertAlmostEqual(report["volume"], 4 / 3 * math.pi, delta=layer)
         self.assertEqual(report["vertices"] - 2, report["triangles"] / 2)
         for key in ("total", "parse", "compile", "export"):
             self.assertGreaterEqual(report["seconds"][key], 0)
