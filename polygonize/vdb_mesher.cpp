@@ -167,6 +167,10 @@ Result<TriangleMesh> mesh_vdb(const ImplicitSurface& surface, const LatticeOptio
   counts.value_evaluations = band->counts().nodes_evaluated;
   counts.blocks_tested = band->counts().blocks_tested;
   counts.blocks_active = band->counts().blocks_active;
+  if (band->block_count() == 0) {
+    if (statistics != nullptr) *statistics = counts;
+    return TriangleMesh{};
+  }
   report_mesh(progress, 0.4);
   LevelSet level_set(*band, progress);
   if (!level_set.fill()) return interrupted();
