@@ -1,6 +1,8 @@
 #include "cli/mesh_parts.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
 #include "polygonize/attributes.h"
 #include "polygonize/part_request.h"
@@ -30,9 +32,14 @@ TriangleMesh mesh_within_tolerance(const Part& part, const Mesher& mesher, doubl
   MesherResult result =
       console.take(mesher.mesh(*part.surface, request_for(part, tolerance, &console.progress())));
   if (!result.reached) {
+    // Infinite where triangles cross or nothing brings them near.
+    const std::string what = std::isfinite(result.error)
+                                 ? "is off by " + std::to_string(result.error) +
+                                       ", more than the tolerance of " + std::to_string(tolerance)
+                                 : "could not be meshed within the tolerance of " +
+                                       std::to_string(tolerance) + " without triangles that cross";
     console.fail(Failure::tolerance,
-                 "part '" + part.name + "' is off by " + std::to_string(result.error) +
-                     ", more than the tolerance of " + std::to_string(tolerance) +
+                 "part '" + part.name + "' " + what +
                      "; nothing was written (--cell meshes without that promise)",
                  part.where);
   }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <sstream>
 
 #include "libfield/base/check.h"
 #include "polygonize/both_ways.h"
@@ -44,13 +43,6 @@ SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
   options.max_cells = request.max_nodes;
   options.progress = request.progress;
   return options;
-}
-
-Diagnostic missed(double tolerance, double error) {
-  std::ostringstream text;
-  text << "the tolerance " << tolerance << " was not reached: the mesh is within " << error
-       << " of the surface";
-  return {Severity::warning, Failure::tolerance, {}, text.str()};
 }
 
 class Adaptive {
@@ -117,7 +109,7 @@ class Adaptive {
     Result<MesherResult> other = mesh_by_lattice(surface_, request_);
     if (other && other->error < best.error) return other;
     if (!(best.error < HUGE_VAL)) return other;
-    const Diagnostic remark = missed(request_.tolerance, best.error);
+    const Diagnostic remark = tolerance_missed(request_.tolerance, best.error, smallest_cell_);
     return {std::move(best), {remark}};
   }
 

@@ -96,17 +96,21 @@ std::vector<Sample> first_order_distances(const ImplicitSurface& surface, const 
 /// within the second: both look at some points only.
 constexpr double kAim = 0.9, kAccept = 0.96;
 
-Diagnostic not_reached(double tolerance, const ToleranceMesh& best) {
-  std::ostringstream text;
-  text << "the tolerance " << tolerance << " was not reached: the mesh is within " << best.error
-       << " of the surface (cell " << best.cell << ")";
-  return {Severity::warning, Failure::tolerance, {}, text.str()};
-}
-
 /// From this share of the tolerance on, a place is looked at more closely.
 constexpr double kCloser = 0.4;
 
 }  // namespace
+
+Diagnostic tolerance_missed(double tolerance, double error, double cell) {
+  std::ostringstream text;
+  text << "the tolerance " << tolerance << " was not reached: ";
+  if (std::isfinite(error)) {
+    text << "the mesh is within " << error << " of the surface (cell " << cell << ")";
+  } else {
+    text << "on cells of " << cell << " triangles cross or stay far from the surface";
+  }
+  return {Severity::warning, Failure::tolerance, {}, text.str()};
+}
 
 double GradientEstimate::largest_distance(const ImplicitSurface& surface,
                                           const TriangleMesh& mesh) const {
@@ -224,7 +228,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
     if (error <= kAccept * tolerance) break;
   }
   best.reached = best.error <= tolerance;
-  if (!best.reached) remarks.push_back(not_reached(tolerance, best));
+  if (!best.reached) remarks.push_back(tolerance_missed(tolerance, best.error, best.cell));
   return {std::move(best), std::move(remarks)};
 }
 

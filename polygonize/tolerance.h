@@ -77,6 +77,9 @@ struct ToleranceMesh {
   LatticeStatistics statistics;  ///< of the mesh returned
 };
 
+/// The warning of a mesher whose best mesh is that far from the surface; infinite where it is none.
+Diagnostic tolerance_missed(double tolerance, double error, double cell);
+
 /// The cell with which the lattice mesher is expected to stay within `tolerance` of a surface whose
 /// smallest radius of curvature is `radius`, and to follow its shape: a triangle of circumradius c
 /// with its corners on a sphere is c^2 / (2 radius) off, and cells of side h have triangles up to
