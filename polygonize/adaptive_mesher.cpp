@@ -24,6 +24,7 @@ constexpr double kSmall = 8.0;
 /// Parts of the tolerance: what remeshing aims at, in one attempt after the other; what triangles
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
+constexpr int kMostAttempts = 6, kMostCuts = 3;
 constexpr double kRefined = 0.88, kLost = 0.75, kAccept = 0.96;
 
 /// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
@@ -51,7 +52,7 @@ class Adaptive {
       : surface_(surface), request_(request), log_(log), provable_(surface.has_cheap_bounds()) {}
 
   Result<MesherResult> run() {
-    const Result<SurfaceOctree> tree =
+    Result<SurfaceOctree> tree =
         SurfaceOctree::build(surface_, octree_options(request_, provable_));
     if (!tree) return Result<MesherResult>::failure(tree.diagnostics());
     look_at(*tree);
@@ -61,20 +62,24 @@ class Adaptive {
     if (provable_ && open > kMuch * (open + static_cast<double>(log_.simple_leaves))) {
       return mesh_by_lattice(surface_, request_);
     }
-    const OctreeMesh first = mesh_octree(surface_, *tree);
-    log_.first_triangles = first.mesh.triangles.size();
-    log_.jets += first.evaluations;
-    if (log_.first_triangles > request_.max_triangles) return too_many();
-
     MesherResult best;
     best.error = HUGE_VAL;
-    for (const double aim : kAims) {
+    std::size_t aim = 0;
+    for (int attempt = 0; attempt < kMostAttempts && aim < std::size(kAims); ++attempt) {
+      const OctreeMesh first = mesh_octree(surface_, *tree);
+      log_.first_triangles = first.mesh.triangles.size();
+      log_.jets += first.evaluations;
+      if (log_.first_triangles > request_.max_triangles) return too_many();
       ++log_.attempts;
-      MesherResult result = fit(*tree, first, aim);
+      MesherResult result = fit(*tree, first, kAims[aim]);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       if (result.error < best.error) best = std::move(result);
-      if (best.error <= kAccept * request_.tolerance) break;
-      if (!provable_) break;
+      if (best.error <= kAccept * request_.tolerance || !provable_) break;
+      // Smaller cells where it went wrong; if there are none, smaller triangles everywhere.
+      const Result<std::size_t> cut = tree->cut_near(trouble_);
+      if (!cut) return Result<MesherResult>::failure(cut.diagnostics());
+      if (*cut == 0 || attempt >= kMostCuts) ++aim;
+      look_at(*tree);
     }
     if (best.error > request_.tolerance) return by_lattice(std::move(best));
     best.cell = smallest_cell_;
@@ -87,6 +92,7 @@ class Adaptive {
  private:
   void look_at(const SurfaceOctree& tree) {
     log_.octree = tree.counts();
+    log_.simple_leaves = log_.open_leaves = 0;
     const Octree& octree = tree.octree();
     int deepest = 0;
     for (Octree::Index i = 0; i < octree.size(); ++i) {
@@ -126,35 +132,86 @@ class Adaptive {
     if (result.mesh.empty()) return result;
     const double back = provable_ ? bring_near(result.mesh, remeshed.on_surface)
                                   : bring_near_both_ways(result.mesh);
-    const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
-    result.error = std::max(
-        back, back < HUGE_VAL ? estimate.largest_distance(surface_, result.mesh) : HUGE_VAL);
-    log_.jets += result.mesh.triangles.size();
+    result.error = back;
+    if (!provable_ && back < HUGE_VAL) {
+      const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
+      result.error = std::max(back, estimate.largest_distance(surface_, result.mesh));
+      log_.jets += result.mesh.triangles.size();
+    }
     return result;
   }
 
   /// Refines the mesh where it is too far from the surface, and joins those of some points of the
-  /// surface that are too far from it. Returns how far they are then; infinite if triangles cross.
+  /// surface that are too far from it. Returns how far apart they are then, at most, as far as that
+  /// was looked at; infinite if triangles cross. Where it is hard is put down in trouble_.
   double bring_near(TriangleMesh& mesh, std::span<const Vec3d> on_surface) {
     constexpr int kMostPasses = 6;
+    RefineOptions refinement = refine_options();
+    std::vector<std::uint32_t> moved;
+    bool whole = true;  // whether the pass looks at all triangles, not just at those that changed
+    trouble_.clear();
+    for (int pass = 0; pass < kMostPasses; ++pass) {
+      RefineStatistics refined;
+      mesh = refine(surface_, std::move(mesh), refinement, &refined);
+      log_.jets += mesh.triangles.size();
+      const MendedCrossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
+      std::vector<LostPoint> lost = std::move(refined.far);
+      put_down(lost, crossings.left);
+      if (crossings.outcome == Crossings::left) return HUGE_VAL;
+      if (crossings.outcome == Crossings::mended) {
+        moved = triangles_at(mesh, crossings.moved);
+        refinement.first_looked_at = &moved;
+        whole = false;
+        continue;
+      }
+      const std::vector<LostPoint> missed = lost_points(mesh, on_surface);
+      lost.insert(lost.end(), missed.begin(), missed.end());
+      put_down(missed, {});
+      const bool near_enough = largest_distance(lost) <= kAccept * request_.tolerance;
+      if (whole && near_enough && (lost.empty() || pass > 0)) {
+        return std::max(largest_distance(lost), kRefined * request_.tolerance);
+      }
+      refinement.first_looked_at = nullptr;
+      refinement.first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
+      whole = lost.empty() || insert_points(mesh, lost).empty();
+      if (whole) refinement.first_new = 0;
+    }
+    return HUGE_VAL;
+  }
+
+  static double largest_distance(std::span<const LostPoint> lost) {
+    double largest = 0.0;
+    for (const LostPoint& point : lost) largest = std::max(largest, point.distance);
+    return largest;
+  }
+
+  RefineOptions refine_options() const {
     RefineOptions refinement;
     refinement.tolerance = kRefined * request_.tolerance;
     refinement.small = kSmall * request_.tolerance;
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-      RefineStatistics refined;
-      mesh = refine(surface_, std::move(mesh), refinement, &refined);
-      log_.jets += mesh.triangles.size();
-      const Crossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
-      if (crossings == Crossings::left) return HUGE_VAL;
-      if (crossings == Crossings::mended) continue;
-      std::vector<LostPoint> lost = lost_points(mesh, on_surface);
-      lost.insert(lost.end(), refined.far.begin(), refined.far.end());
-      if (lost.empty()) return 0.0;
-      if (insert_points(mesh, lost).empty()) return lost.front().distance;
+    return refinement;
+  }
+
+  void put_down(std::span<const LostPoint> lost, std::span<const Vec3d> crossing) {
+    for (const LostPoint& point : lost) trouble_.push_back(point.on_surface);
+    trouble_.insert(trouble_.end(), crossing.begin(), crossing.end());
+  }
+
+  static std::vector<std::uint32_t> triangles_at(const TriangleMesh& mesh,
+                                                 const std::vector<TriangleMesh::Index>& vertices) {
+    const auto is_one = [&](TriangleMesh::Index v) {
+      return std::binary_search(vertices.begin(), vertices.end(), v);
+    };
+    std::vector<std::uint32_t> found;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto& corner = mesh.triangles[t];
+      if (std::any_of(corner.begin(), corner.end(), is_one)) {
+        found.push_back(static_cast<std::uint32_t>(t));
+      }
     }
-    return HUGE_VAL;
+    return found;
   }
 
   /// The points that are too far from the mesh, the farthest first.
@@ -183,16 +240,17 @@ class Adaptive {
   /// As above, and joins what there is of the surface too far from the mesh: without proof, that is
   /// looked for.
   double bring_near_both_ways(TriangleMesh& mesh) {
-    if (mend_crossings(surface_, mesh, request_.thinnest_radius) == Crossings::left)
-      return HUGE_VAL;
+    const auto cross = [&] {
+      return mend_crossings(surface_, mesh, request_.thinnest_radius).outcome == Crossings::left;
+    };
+    if (cross()) return HUGE_VAL;
     BothWaysOptions options;
     options.enough = kRefined * request_.tolerance;
     options.max_triangles = request_.max_triangles;
     options.progress = request_.progress;
     if (!both_ways_) both_ways_.emplace(surface_, options);
     const double back = both_ways_->run(mesh);
-    if (mend_crossings(surface_, mesh, request_.thinnest_radius) == Crossings::left)
-      return HUGE_VAL;
+    if (cross()) return HUGE_VAL;
     return back;
   }
 
@@ -202,6 +260,7 @@ class Adaptive {
   bool provable_ = false;
   std::optional<BothWays> both_ways_;
   double smallest_cell_ = 0.0;
+  std::vector<Vec3d> trouble_;  ///< points where the last attempt went wrong
 };
 
 }  // namespace

@@ -40,24 +40,44 @@ void smooth(const ImplicitSurface& surface, TriangleMesh& mesh, const std::vecto
   }
 }
 
+/// The corners of the triangles that cross others.
+std::vector<bool> crossing_corners(const TriangleMesh& mesh, const SelfIntersections& found) {
+  std::vector<bool> marked(mesh.positions.size(), false);
+  for (const auto& pair : found.pairs) {
+    for (const auto t : pair) {
+      for (const Index v : mesh.triangles[t]) marked[v] = true;
+    }
+  }
+  return marked;
+}
+
 }  // namespace
 
-Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
+MendedCrossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
   constexpr int kMostRounds = 6;
   constexpr std::size_t kMostPairs = 10'000;
+  MendedCrossings result;
+  std::vector<bool> moved(mesh.positions.size(), false);
   for (int round = 0;; ++round) {
     const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
-    if (!found || found->pairs.empty()) return round == 0 ? Crossings::none : Crossings::mended;
-    if (round == kMostRounds || found->pairs.size() == kMostPairs) return Crossings::left;
-    std::vector<bool> marked(mesh.positions.size(), false);
-    for (const auto& pair : found->pairs) {
-      for (const auto t : pair) {
-        for (const Index v : mesh.triangles[t]) marked[v] = true;
+    if (!found || found->pairs.empty()) break;
+    if (round == kMostRounds || found->pairs.size() == kMostPairs) {
+      result.outcome = Crossings::left;
+      for (const auto& pair : found->pairs) {
+        for (const auto t : pair) result.left.push_back(mesh.positions[mesh.triangles[t][0]]);
       }
+      break;
     }
+    result.outcome = Crossings::mended;
+    std::vector<bool> marked = crossing_corners(mesh, *found);
     for (int ring = 0; ring < round / 2; ++ring) marked = widened_by_ring(mesh, marked);
     smooth(surface, mesh, marked, reach);
+    for (std::size_t v = 0; v < marked.size(); ++v) moved[v] = moved[v] || marked[v];
   }
+  for (std::size_t v = 0; v < moved.size(); ++v) {
+    if (moved[v]) result.moved.push_back(static_cast<Index>(v));
+  }
+  return result;
 }
 
 }  // namespace cs2mesh

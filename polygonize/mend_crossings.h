@@ -1,6 +1,8 @@
 // Triangles that cross others, taken apart by smoothing the mesh around them.
 #pragma once
 
+#include <vector>
+
 #include "libfield/field/implicit_surface.h"
 #include "polygonize/triangle_mesh.h"
 
@@ -12,10 +14,16 @@ enum class Crossings {
   left,
 };
 
+struct MendedCrossings {
+  Crossings outcome = Crossings::none;
+  std::vector<TriangleMesh::Index> moved;  ///< vertices, in ascending order
+  std::vector<Vec3d> left;                 ///< a corner of each triangle that still crosses another
+};
+
 /// Moves the corners of triangles that cross others to the middle of their neighbours and back to
 /// the surface, a few times over, more of the neighbourhood each time. `reach` is how far from the
 /// surface vertices may come to be, scene units, > 0. Not promised: that triangles stay as near to
 /// the surface as they were.
-Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach);
+MendedCrossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach);
 
 }  // namespace cs2mesh

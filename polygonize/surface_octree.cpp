@@ -26,11 +26,12 @@ bool may_hold_zero(const Interval& f) {
   return !(f.lo > 0 || f.hi < 0);
 }
 
-/// Whether triangles of that side stay within the tolerance where normals turn by `turn` a length:
-/// an equilateral triangle with its corners on a sphere is that far off in its middle. (Where the
-/// surface turns within less than a side, as in a groove, `turn` is an average, and so is this.)
+/// Whether equilateral triangles of that side stay within the tolerance where normals turn by
+/// `turn` a length: one with its corners on a sphere is that far off in its middle. (Those of the
+/// first mesh have shorter edges. Where the surface turns within less than a side, as in a groove,
+/// `turn` is an average, and so is this.)
 bool fits(double side, double turn, double tolerance) {
-  constexpr double kEdges = 2.5;  // 6 if all edges of the mesh were as long as a side
+  constexpr double kEdges = 6.0;
   return turn * side * side <= kEdges * tolerance;
 }
 
@@ -89,9 +90,25 @@ struct Grower {
   Vec3d direction;
   std::size_t slopes = 0;
 
-  bool grows_in(const Aabb& box, int depth) {
+  /// Whether F grows so along `direction`.
+  bool grows_along(const Aabb& box) { return grows_along(box, kDepth); }
+  /// Whether F grows so along some direction; `direction` is its gradient somewhere in the box.
+  bool grows_somehow(const Aabb& box) {
+    ++slopes;
+    const Rise rise = surface.rise(box, direction);
+    if (rise.slope > 0) return true;
+    direction = rise.direction;
+    return grows_in_parts(box, kDepth);
+  }
+
+ private:
+  bool grows_along(const Aabb& box, int depth) {
     ++slopes;
     if (surface.least_slope(box, direction) > 0) return true;
+    return grows_in_parts(box, depth);
+  }
+
+  bool grows_in_parts(const Aabb& box, int depth) {
     std::array<Aabb, 8> octants;
     std::array<Interval, 8> ranges;
     for (int i = 0; i < 8; ++i) {
@@ -101,7 +118,7 @@ struct Grower {
     surface.enclose_each(octants, ranges);
     for (std::size_t i = 0; i < 8; ++i) {
       if (!may_hold_zero(ranges[i])) continue;
-      if (depth == 0 || !grows_in(octants[i], depth - 1)) return false;
+      if (depth == 0 || !grows_along(octants[i], depth - 1)) return false;
     }
     return true;
   }
@@ -195,9 +212,11 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
     }
     const bool small = octree_[cell].level + 1 >= kLeastLevel && side <= options.largest &&
                        fits(side, turn, options.tolerance);
+    // Along its normal at the centre, so that the surface turns by less than a right angle from
+    // there: triangles across a groove would be too hard to mend.
     if (options.prove && (small || !may_cut)) {
       Grower grower{*opened.surface, normal};
-      if (grower.grows_in(boxes[i], kDepth)) child.kind = LeafKind::simple;
+      if (grower.grows_along(boxes[i])) child.kind = LeafKind::simple;
       opened.counts.slopes += grower.slopes;
     }
     // Without proof, a groove or a neck is where normals around are opposed.
@@ -272,7 +291,8 @@ void SurfaceOctree::choose_largest(const DualCell& cell, const SurfaceOctreeOpti
 }
 
 /// The largest leaves of dual cells that the surface seems to cut in several pieces, and leaves
-/// that may hold surface while all leaves around are on their side.
+/// that may hold surface, unless it is proven to be a sheet, while all leaves around are on their
+/// side. (A sheet leaves such a leaf as it came, so the mesh misses a bump, not a piece.)
 std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(
     const SurfaceOctreeOptions& options) const {
   std::vector<bool> seen(octree_.size(), false), chosen(octree_.size(), false);
@@ -283,7 +303,7 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(
   }
   for (Index i = 0; i < octree_.size(); ++i) {
     const bool small = octree_.side(octree_[i].level) < 2 * options.smallest;
-    if (octree_.is_leaf(i) && kinds_[i] != LeafKind::empty && !seen[i] && !small) chosen[i] = true;
+    if (octree_.is_leaf(i) && kinds_[i] == LeafKind::open && !seen[i] && !small) chosen[i] = true;
   }
   return numbers_of(chosen);
 }
@@ -304,7 +324,7 @@ bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
   const ImplicitSurface& surface =
       surface_box(largest).contains(box) ? surface_at(largest) : *surfaces_.front();
   Grower grower{surface, direction};
-  const bool grows = grower.grows_in(box, kDepth);
+  const bool grows = grower.grows_somehow(box);
   slopes += grower.slopes;
   return grows;
 }
@@ -341,39 +361,65 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
   return numbers_of(chosen);
 }
 
-Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
-                                           const SurfaceOctreeOptions& asked) {
-  SurfaceOctreeOptions options = asked;
-  require(options.tolerance > 0 && options.smallest > 0, "SurfaceOctree: lengths must be positive");
-  const Aabb box = surface.bounds();
-  require(!box.empty() && box.finite(), "SurfaceOctree: the surface must have finite bounds");
-  SurfaceOctree tree(root_around(box));
-  options.smallest = std::min(options.smallest, std::ldexp(tree.octree_.side(0), -kLeastLevel - 1));
-  tree.surfaces_.emplace_back(std::shared_ptr<const ImplicitSurface>(), &surface);
-  tree.surface_boxes_.push_back(tree.octree_.box(0));
-  tree.surface_of_.push_back(0);
-  tree.kinds_.push_back(LeafKind::open);
-  tree.jets_.push_back(surface.jet(tree.octree_.center(0)));
-
-  std::vector<Index> open{0};
+/// Cuts these leaves, and then whatever is neither small nor clear enough.
+Result<Done> SurfaceOctree::settle(std::vector<Index> open, const SurfaceOctreeOptions& options) {
   double progress = 0.0;
   while (!open.empty()) {
-    const std::size_t first_new = tree.octree_.size();
+    const std::size_t first_new = octree_.size();
     if (options.progress != nullptr) options.progress->report("octree", progress);
     progress = 1 - 0.7 * (1 - progress);  // how many rounds there will be is not known
-    if (!tree.refine(open, options)) {
+    if (!refine(open, options)) {
       if (cancelled(options.progress)) return error_at({}, "interrupted", Failure::interrupted);
       return error_at({},
                       "the mesh needs more than " + std::to_string(options.max_cells) +
                           " cells; use a larger tolerance",
                       Failure::limit);
     }
-    open = options.prove ? tree.crowded(first_new, options) : std::vector<Index>{};
+    open = options.prove ? crowded(first_new, options) : std::vector<Index>{};
     if (!open.empty()) continue;
-    tree.octree_.settle_sides();
-    open = tree.unclear(options);
+    octree_.settle_sides();
+    open = unclear(options);
   }
+  return Done{};
+}
+
+Result<SurfaceOctree> SurfaceOctree::build(const ImplicitSurface& surface,
+                                           const SurfaceOctreeOptions& options) {
+  require(options.tolerance > 0 && options.smallest > 0, "SurfaceOctree: lengths must be positive");
+  const Aabb box = surface.bounds();
+  require(!box.empty() && box.finite(), "SurfaceOctree: the surface must have finite bounds");
+  SurfaceOctree tree(root_around(box), options);
+  SurfaceOctreeOptions& own = tree.options_;
+  own.smallest = std::min(own.smallest, std::ldexp(tree.octree_.side(0), -kLeastLevel - 1));
+  tree.surfaces_.emplace_back(std::shared_ptr<const ImplicitSurface>(), &surface);
+  tree.surface_boxes_.push_back(tree.octree_.box(0));
+  tree.surface_of_.push_back(0);
+  tree.kinds_.push_back(LeafKind::open);
+  tree.jets_.push_back(surface.jet(tree.octree_.center(0)));
+  const Result<Done> settled = tree.settle({0}, own);
+  if (!settled) return Result<SurfaceOctree>::failure(settled.diagnostics());
   return tree;
+}
+
+/// The leaves that may be cut, a cell or below it, which a point is in or near.
+void SurfaceOctree::find_near(Index cell, const Vec3d& point, std::vector<bool>& chosen) const {
+  constexpr double kNear = 0.25;  // sides
+  const double side = octree_.side(octree_[cell].level);
+  if (!octree_.box(cell).grown(kNear * side).contains(point)) return;
+  if (octree_.is_leaf(cell)) {
+    if (kinds_[cell] != LeafKind::empty && side >= 2 * options_.smallest) chosen[cell] = true;
+    return;
+  }
+  for (int i = 0; i < 8; ++i) find_near(octree_.child(cell, i), point, chosen);
+}
+
+Result<std::size_t> SurfaceOctree::cut_near(std::span<const Vec3d> points) {
+  std::vector<bool> chosen(octree_.size(), false);
+  for (const Vec3d& p : points) find_near(0, p, chosen);
+  const std::vector<Index> leaves = numbers_of(chosen);
+  const Result<Done> settled = settle(leaves, options_);
+  if (!settled) return Result<std::size_t>::failure(settled.diagnostics());
+  return leaves.size();
 }
 
 }  // namespace cs2mesh

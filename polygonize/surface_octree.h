@@ -5,6 +5,7 @@
 #include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
 #include <vector>
 
 #include "libfield/base/progress.h"
@@ -56,6 +57,11 @@ class SurfaceOctree {
   static Result<SurfaceOctree> build(const ImplicitSurface& surface,
                                      const SurfaceOctreeOptions& options);
 
+  /// Cuts the leaves that may hold surface at or near these points in eight each, unless they are
+  /// as small as cells may be, and what else is needed for what build() says. Returns how many
+  /// leaves near the points were cut. Errors: as build().
+  Result<std::size_t> cut_near(std::span<const Vec3d> points);
+
   const Octree& octree() const { return octree_; }
   const Counts& counts() const { return counts_; }
   LeafKind kind(Index leaf) const { return kinds_[leaf]; }
@@ -69,7 +75,10 @@ class SurfaceOctree {
  private:
   struct Child;
   struct Opened;
-  explicit SurfaceOctree(Octree octree) : octree_(std::move(octree)) {}
+  SurfaceOctree(Octree octree, const SurfaceOctreeOptions& options)
+      : options_(options), octree_(std::move(octree)) {}
+  Result<Done> settle(std::vector<Index> open, const SurfaceOctreeOptions& options);
+  void find_near(Index cell, const Vec3d& point, std::vector<bool>& chosen) const;
   Opened look_into(Index cell, const SurfaceOctreeOptions& options) const;
   void clear_by_enclosure(Index cell, Opened& opened) const;
   void clear_by_distance(Index cell, Opened& opened) const;
@@ -82,6 +91,7 @@ class SurfaceOctree {
   std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
   bool is_simple(const DualCell& cell, std::size_t& slopes) const;
 
+  SurfaceOctreeOptions options_;
   Octree octree_;
   Counts counts_;
   std::vector<LeafKind> kinds_;

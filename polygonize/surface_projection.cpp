@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polygonize/edge_root.h"
+#include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
 namespace {
@@ -317,7 +318,8 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
                                         double farthest) {
   constexpr int kSpheres = 11;
   constexpr int kHalvings = 8;
-  const bool side = inside(surface.value(p));
+  const auto near = surface.restrict_to(Aabb{p, p}.grown(farthest * (1 + 1e-9)));
+  const bool side = inside(near->value(p));
   std::vector<Vec3d> points;
   std::vector<double> values;
   double radius = farthest / 32;
@@ -329,14 +331,14 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
       if (length > 0) points.push_back(p + (radius / length) * d);
     }
     values.resize(points.size());
-    surface.values(points, values);
+    near->values(points, values);
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (inside(values[i]) == side) continue;
       const auto at = [&](double t) { return p + t * (points[i] - p); };
       double lo = 0, hi = 1;
       for (int k = 0; k < kHalvings; ++k) {
         const double middle = 0.5 * (lo + hi);
-        (inside(surface.value(at(middle))) == side ? lo : hi) = middle;
+        (inside(near->value(at(middle))) == side ? lo : hi) = middle;
       }
       return SignChange{hi * radius, at(lo), at(hi)};
     }
@@ -351,15 +353,18 @@ namespace {
 std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p, double first) {
   constexpr int kMostSteps = 20;
   constexpr double kConverged = 1e-3;  // of the distance
+  constexpr double kFarthest = 4.0;
+  const Aabb box = Aabb{p, p}.grown(kFarthest * first);
+  const auto near = surface.restrict_to(box);
   Vec3d q = p;
   for (int i = 0; i < kMostSteps; ++i) {
-    const Jet jet = surface.jet(q);
+    const Jet jet = near->jet(q);
     const double slope = squared_norm(jet.gradient);
     if (!(slope > 0)) return std::nullopt;
-    const Vec3d step = (-jet.value / slope) * jet.gradient;
+    const Vec3d step = (-leveled(jet.value) / slope) * jet.gradient;
     q += step;
     const double distance = norm(q - p);
-    if (!(distance <= 4 * first)) return std::nullopt;
+    if (!(distance <= kFarthest * first) || !box.contains(q)) return std::nullopt;
     if (norm(step) <= kConverged * distance) return q;
   }
   return std::nullopt;
@@ -367,10 +372,11 @@ std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
 
 }  // namespace
 
-Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order) {
+Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order, double enough) {
   Foot foot{p, first_order};
   const std::optional<Vec3d> straight = newton_foot(surface, p, first_order);
   if (straight) foot = {*straight, norm(*straight - p)};
+  if (straight && foot.distance <= enough) return foot;
   const std::optional<SignChange> nearer = search_around(surface, p, foot.distance);
   if (nearer) foot = {nearer->far, nearer->distance};
   return foot;

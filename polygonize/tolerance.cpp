@@ -67,25 +67,27 @@ std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const Trian
   return samples;
 }
 
-/// An upper bound of the distance of the surface from a sample. Between near sheets the way along
-/// the gradient may pass the nearer one.
-double distance_from(const ImplicitSurface& surface, const Sample& sample) {
+/// An upper bound of the distance of the surface from a sample, the first that is no more than
+/// `enough`. Between near sheets the way along the gradient may pass the nearer one.
+double distance_from(const ImplicitSurface& surface, const Sample& sample, double enough) {
   constexpr double kMuchFarther = 1.1;
-  const double distance = find_foot(surface, sample.point, sample.distance).distance;
+  const double distance = find_foot(surface, sample.point, sample.distance, enough).distance;
+  if (distance <= enough) return distance;
   if (distance <= kMuchFarther * sample.distance) return distance;
   const std::optional<SignChange> nearer = search_around(surface, sample.point, distance);
   return nearer ? std::min(distance, nearer->distance) : distance;
 }
 
-/// First-order distances of all samples.
-std::vector<Sample> first_order_distances(const ImplicitSurface& surface, const TriangleMesh& mesh,
-                                          double closer, double small) {
+/// The samples with a first-order distance above `known`.
+std::vector<Sample> distant_samples(const ImplicitSurface& surface, const TriangleMesh& mesh,
+                                    double closer, double small, double known) {
   const std::size_t count = mesh.triangles.size();
   std::vector<std::vector<Sample>> chunks((count + kChunk - 1) / kChunk);
   tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
     const std::size_t first = kChunk * i;
     chunks[i] =
         sample_triangles(surface, mesh, first, std::min(first + kChunk, count), closer, small);
+    std::erase_if(chunks[i], [&](const Sample& sample) { return !(sample.distance > known); });
   });
   std::vector<Sample> samples;
   for (const auto& chunk : chunks) samples.insert(samples.end(), chunk.begin(), chunk.end());
@@ -114,21 +116,21 @@ Diagnostic tolerance_missed(double tolerance, double error, double cell) {
 
 double GradientEstimate::largest_distance(const ImplicitSurface& surface,
                                           const TriangleMesh& mesh) const {
-  std::vector<Sample> samples = first_order_distances(surface, mesh, closer_, small_);
+  std::vector<Sample> samples = distant_samples(surface, mesh, closer_, small_, known_);
 
   // The first order errs far from the surface, near creases and between walls: look closely at the
   // farthest, until none of the others can be farther than what was found.
   constexpr std::size_t kBatch = 256;
   std::stable_sort(samples.begin(), samples.end(),
                    [](const Sample& a, const Sample& b) { return a.distance > b.distance; });
-  double largest = 0.0;
+  double largest = known_;
   std::vector<double> distances(kBatch);
   for (std::size_t first = 0; first < samples.size() && samples[first].distance > largest;
        first += kBatch) {
     const std::size_t count = std::min(kBatch, samples.size() - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
       const Sample& sample = samples[first + i];
-      distances[i] = distance_from(surface, sample);
+      distances[i] = distance_from(surface, sample, largest);
     });
     const auto end = distances.begin() + static_cast<std::ptrdiff_t>(count);
     largest = std::max(largest, *std::max_element(distances.begin(), end));

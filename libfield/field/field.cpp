@@ -203,6 +203,9 @@ Field::Field(std::vector<Term> terms, double error_budget) {
   data_ = std::move(data);
 }
 
+Field::Field() = default;
+Field::~Field() = default;
+
 std::size_t Field::term_count() const {
   return data_->terms.size();
 }

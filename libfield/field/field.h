@@ -4,6 +4,7 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <vector>
 
 #include "libfield/base/box_tree.h"
@@ -16,6 +17,8 @@ namespace cs2mesh {
 /// What all views of a field share.
 struct FieldData;
 struct BatchBox;
+class LogSum;
+class LogTerms;
 enum class TaylorOrder;
 
 /// values(), jets() and enclose() are those of F - T. A term is left out of a block of the field's
@@ -32,6 +35,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
  public:
   /// `terms` must not be empty; error_budget in units of T, > 0.
   Field(std::vector<Term> terms, double error_budget);
+  ~Field() override;
 
   void values(std::span<const Vec3d> points, std::span<double> out) const override;
   void jets(std::span<const Vec3d> points, std::span<Jet> out) const override;
@@ -43,6 +47,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   void enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) const override;
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
   double least_slope(const Aabb& box, const Vec3d& direction) const override;
+  Rise rise(const Aabb& box, const Vec3d& gradient) const override;
   bool has_cheap_bounds() const override;
   double derivative_bound(int order, const Aabb& box) const override;
   Aabb bounds() const override;
@@ -60,12 +65,16 @@ class Field final : public ImplicitSurface, public MaterialBlend {
  private:
   struct Enclosure;
 
-  Field() = default;
+  Field();
   template <class Out>
   void evaluate(std::span<const Vec3d> points, std::span<Out> out) const;
   void enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
                      std::span<Enclosure> out) const;
+  LogTerms log_terms_in(const Aabb& box) const;
+  template <class F>
+  void with_log_terms(const Aabb& box, const F& f) const;
   void enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const;
+  double slope_in_exponents(const LogTerms& terms, const LogSum& sum, const Vec3d& direction) const;
   Interval enclose_in_parts(const Aabb& box, const Enclosure& whole) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
   double turn() const;
@@ -83,6 +92,9 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   mutable std::atomic<double> turn_{-1.0};
   /// And one of the size of all terms that are subtracted, set before it.
   mutable std::atomic<double> subtracted_{0.0};
+  /// And its terms for bounds in the exponent.
+  mutable std::once_flag log_terms_once_;
+  mutable std::unique_ptr<const LogTerms> log_terms_;
   std::vector<std::uint32_t> candidates_;
   /// All candidates reach every block of the restriction's box: its one list.
   bool uniform_ = false;

@@ -197,18 +197,57 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   }
 }
 
-void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const {
-  const BoxBatch batch(boxes, TaylorOrder::first);
-  require(boxes.empty() || batch.hull.finite(), "enclosures need finite boxes");
+/// Those that bounds in the exponent over this box are to take into account.
+LogTerms Field::log_terms_in(const Aabb& box) const {
+  constexpr double kLeftOut = 1e-3;
   std::vector<std::uint32_t> list;
-  near_terms(batch.hull, list);
-  const std::vector<LogSum> sums = LogSum::at_centers(data_->terms, list, boxes);
-  for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Interval log_range = sums[i].range(boxes[i]);
-    const Interval range(std::exp(log_range.lo) * (1 - 1e-13),
-                         std::exp(log_range.hi) * (1 + 1e-13));
-    out[i] = widened(range - Interval(kThreshold), data_->error_budget);
-  }
+  near_terms(box, list);
+  return {data_->terms, list, box, kLeftOut * kThreshold};
+}
+
+/// Runs f(terms) with those over `box`: in a restriction, with those over its own box.
+template <class F>
+void Field::with_log_terms(const Aabb& box, const F& f) const {
+  if (!restricted_ || !box_.contains(box)) return f(log_terms_in(box));
+  std::call_once(log_terms_once_,
+                 [this] { log_terms_ = std::make_unique<LogTerms>(log_terms_in(box_)); });
+  f(*log_terms_);
+}
+
+void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const {
+  const Aabb hull = BoxBatch(boxes, TaylorOrder::first).hull;
+  require(boxes.empty() || hull.finite(), "enclosures need finite boxes");
+  with_log_terms(hull, [&](const LogTerms& terms) {
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const Interval log_range = LogSum(terms, boxes[i]).range();
+      const Interval range(std::exp(log_range.lo) * (1 - 1e-13),
+                           std::exp(log_range.hi) * (1 + 1e-13) + terms.left_out());
+      out[i] = widened(range - Interval(kThreshold), data_->error_budget);
+    }
+  });
+}
+
+/// On the surface the terms that matter are T less what was left out, at least.
+double Field::slope_in_exponents(const LogTerms& terms, const LogSum& sum,
+                                 const Vec3d& direction) const {
+  const double relative = sum.least_slope(direction);
+  const double value = relative > 0 ? kThreshold - terms.left_out() : kThreshold;
+  return value * relative - terms.left_out_slope() * norm(direction);
+}
+
+Rise Field::rise(const Aabb& box, const Vec3d& gradient) const {
+  if (!data_->in_exponents) return {gradient, least_slope(box, gradient)};
+  require(box.finite(), "rise needs a finite box");
+  Rise found;
+  with_log_terms(box, [&](const LogTerms& terms) {
+    const LogSum sum(terms, BatchBox(box));
+    found = {gradient, slope_in_exponents(terms, sum, gradient)};
+    if (found.slope > 0) return;
+    const Vec3d common = norm(gradient) * sum.common_direction();
+    const double slope = slope_in_exponents(terms, sum, common);
+    if (slope > found.slope) found = {common, slope};
+  });
+  return found;
 }
 
 void Field::enclose_batch(std::span<const BatchBox> boxes, TaylorOrder order,
@@ -246,15 +285,19 @@ std::array<Interval, 3> Field::enclose_gradient(const Aabb& box) const {
 double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   require(box.finite(), "least_slope needs a finite box");
   const BatchBox one(box);
-  if (!data_->in_exponents && knows_turn(box)) {
+  if (data_->in_exponents) {
+    double least = -kInfinity;
+    with_log_terms(box, [&](const LogTerms& terms) {
+      least = slope_in_exponents(terms, LogSum(terms, one), direction);
+    });
+    return least;
+  }
+  if (knows_turn(box)) {
     const double least = least_slope_by_turn(one, direction);
     if (least > 0) return least;
   }
   std::vector<std::uint32_t> list;
   near_terms(box, list);
-  if (data_->in_exponents) {
-    return LogSum::at_centers(data_->terms, list, {&one, 1})[0].least_slope(one, direction);
-  }
   SlopeProgram program;
   for (const std::uint32_t i : list) program.add(data_->terms[i], one, direction);
   for (const FarField& far : data_->far) {

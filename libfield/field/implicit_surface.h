@@ -26,6 +26,12 @@ inline double least_along(const std::array<Interval, 3>& bounds, const Vec3d& di
 ///
 /// F is continuous and piecewise smooth (a Field may step by its error budget at the faces of its
 /// block lattice). Not promised: that F is a distance, or that its gradient vanishes nowhere.
+/// How fast a function grows along a direction, which need not be of length 1.
+struct Rise {
+  Vec3d direction;
+  double slope = 0.0;
+};
+
 class ImplicitSurface {
  public:
   virtual ~ImplicitSurface() = default;
@@ -53,6 +59,10 @@ class ImplicitSurface {
   /// surface in the box; infinite if there are none. Where it is positive, F changes its sign at
   /// most once along every line of that direction within the box: the surface there is a graph.
   virtual double least_slope(const Aabb& box, const Vec3d& direction) const;
+  /// A direction along which F may grow all over the box where F = 0, and how fast it does so at
+  /// least, as least_slope() tells. `gradient`, that of F in the middle of the box, is where the
+  /// search begins. Not promised: that there is no better direction.
+  virtual Rise rise(const Aabb& box, const Vec3d& gradient) const;
   /// Whether least_slope() and enclose_each() cost little more than an evaluation and stay tight
   /// where F is steep, so that millions of boxes can be asked about.
   virtual bool has_cheap_bounds() const { return false; }
@@ -85,6 +95,10 @@ class ImplicitSurface {
     return out;
   }
 };
+
+inline Rise ImplicitSurface::rise(const Aabb& box, const Vec3d& gradient) const {
+  return {gradient, least_slope(box, gradient)};
+}
 
 inline double ImplicitSurface::least_slope(const Aabb& box, const Vec3d& direction) const {
   return least_along(enclose_gradient(box), direction);

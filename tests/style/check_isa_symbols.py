@@ -10,8 +10,8 @@ import re
 import subprocess
 import sys
 
-MEMBER = re.compile(r"^(bulk_avx\w+)\.cpp\.o:$")
-SHARED = re.compile(r"^[0-9a-f]* +[WT] (?!.*\bPack<|.*BulkPack<)(.*)$")
+MEMBER = re.compile(r"^(\w+_avx\w+)\.cpp\.o:$")
+SHARED = re.compile(r"^[0-9a-f]* +[WT] (?!.*Pack<)(.*)$")
 
 
 def shared_symbols(listing):

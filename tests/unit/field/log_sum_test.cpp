@@ -4,9 +4,11 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <optional>
 
 #include "libfield/field/field.h"
 #include "libfield/field/slope_program.h"
+#include "libfield/simd/isa.h"
 #include "tests/property/random_primitives.h"
 
 namespace cs2mesh {
@@ -46,10 +48,11 @@ Aabb random_box(Random& random) {
   return {center - edges, center + edges};
 }
 
-LogSum log_sum(const std::vector<Term>& terms, const BatchBox& box) {
+/// All terms, those that matter in `around` apart from the others.
+LogTerms log_terms(const std::vector<Term>& terms, const Aabb& around, double share) {
   std::vector<std::uint32_t> all(terms.size());
   for (std::uint32_t i = 0; i < all.size(); ++i) all[i] = i;
-  return LogSum::at_centers(terms, all, {&box, 1}).front();
+  return {terms, all, around, share};
 }
 
 Jet sum_at(const std::vector<Term>& terms, const Vec3d& p) {
@@ -64,10 +67,10 @@ TEST(LogSum, RangeAndSlopeHoldWhatIsSampled) {
   for (int round = 0; round < 3000; ++round) {
     const std::vector<Term> terms = gaussian_terms(random);
     const BatchBox box(random_box(random));
-    const LogSum sum = log_sum(terms, box);
-    const Interval range = sum.range(box);
-    const Vec3d direction = random.direction();
-    const double least = sum.least_slope(box, direction);
+    LogSum sum(log_terms(terms, box.box, 0.0), box);
+    const Interval range = sum.range();
+    const Vec3d direction = round % 2 == 0 ? random.direction() : sum.common_direction();
+    const double least = sum.least_slope(direction);
     for (int k = 0; k < 20; ++k) {
       const Vec3d p = k < 8 ? box.box.corner(k) : random_in(random, box.box);
       const Jet jet = sum_at(terms, p);
@@ -81,6 +84,69 @@ TEST(LogSum, RangeAndSlopeHoldWhatIsSampled) {
   EXPECT_GT(steep, 100) << "the test means to try steep sums";
 }
 
+TEST(LogSum, WhatIsLeftOutStaysBelowItsBounds) {
+  Random random(5, 1);
+  int left_out = 0;
+  for (int round = 0; round < 500; ++round) {
+    const std::vector<Term> terms = gaussian_terms(random);
+    const BatchBox box(random_box(random));
+    const LogTerms some = log_terms(terms, box.box, 0.1);
+    ASSERT_LE(some.left_out(), 0.1);
+    if (some.left_out() > 0) ++left_out;
+    const Interval range = LogSum(some, box).range();
+    for (int k = 0; k < 20; ++k) {
+      const double value = sum_at(terms, random_in(random, box.box)).value;
+      ASSERT_LE(std::exp(range.lo) * (1 - 1e-9), value);
+      ASSERT_GE(std::exp(range.hi) * (1 + 1e-9) + some.left_out(), value);
+    }
+  }
+  EXPECT_GT(left_out, 20);
+}
+
+TEST(LogSum, FindsTheDirectionInWhichAllTermsGrow) {
+  // Across the groove between two balls no normal of one leads into the other, the way to the
+  // middle between them does.
+  std::vector<Term> terms(2);
+  for (const double side : {-1.0, 1.0}) {
+    Term& term = terms[side < 0 ? 0 : 1];
+    term.kernel = make_kernel(KernelKind::gaussian, std::sqrt(6.0), std::exp(6.0), 6.0, 1e-6);
+    term.primitive = Point{{side, 0, 0}};
+    term.frame = frame_of(term.primitive);
+  }
+  const Vec3d center{0.2, 0.6, 0}, edges{0.25, 0.25, 0.25};
+  const BatchBox box(Aabb{center - edges, center + edges});
+  const LogSum sum(log_terms(terms, box.box, 0.0), box);
+  const Vec3d normal = normalized(sum_at(terms, center).gradient);
+  EXPECT_LT(sum.least_slope(normal), 0);
+  EXPECT_GT(sum.least_slope(sum.common_direction()), 0);
+}
+
+TEST(LogSum, IsTheSameForEveryInstructionSetButForRounding) {
+  Random random(6, 1);
+  const Isa before = active_isa();
+  for (int round = 0; round < 200; ++round) {
+    const std::vector<Term> terms = gaussian_terms(random);
+    const BatchBox box(random_box(random));
+    const Vec3d direction = random.direction();
+    std::optional<Interval> first;
+    double slope = 0.0;
+    for (const Isa isa : available_isas()) {
+      use_isa(isa);
+      LogSum sum(log_terms(terms, box.box, 0.0), box);
+      const Interval range = sum.range();
+      const double least = sum.least_slope(direction);
+      if (!first) {
+        first = range;
+        slope = least;
+      }
+      ASSERT_NEAR(range.lo, first->lo, 1e-9 * (1 + std::abs(first->lo)));
+      ASSERT_NEAR(range.hi, first->hi, 1e-9 * (1 + std::abs(first->hi)));
+      ASSERT_NEAR(least, slope, 1e-9 * (1 + std::abs(slope)));
+    }
+  }
+  use_isa(before);
+}
+
 TEST(LogSum, IsTightForSmallBoxes) {
   Random random(2, 1);
   for (int round = 0; round < 200; ++round) {
@@ -89,7 +155,7 @@ TEST(LogSum, IsTightForSmallBoxes) {
     const double half = 1e-4;
     const Vec3d edges{half, half, half};
     const BatchBox box(Aabb{center - edges, center + edges});
-    const Interval range = log_sum(terms, box).range(box);
+    const Interval range = LogSum(log_terms(terms, box.box, 0.0), box).range();
     const Jet jet = sum_at(terms, center);
     const Vec3d g = jet.gradient / jet.value;
     const double linear = 2 * half * (std::abs(g.x) + std::abs(g.y) + std::abs(g.z));

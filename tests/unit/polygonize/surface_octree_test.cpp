@@ -49,6 +49,33 @@ TEST(SurfaceOctree, SmoothSurfacesAreSimpleThroughout) {
   }
 }
 
+TEST(SurfaceOctree, IsCutNearPointsAlone) {
+  const Surface<Torus> torus;
+  Result<SurfaceOctree> tree = SurfaceOctree::build(torus, fine(0.01));
+  const auto leaf_near = [&](const Vec3d& p) {
+    Octree::Index cell = 0;
+    while (!tree->octree().is_leaf(cell)) {
+      const Vec3d middle = tree->octree().center(cell);
+      const int corner =
+          (p.x > middle.x ? 1 : 0) | (p.y > middle.y ? 2 : 0) | (p.z > middle.z ? 4 : 0);
+      cell = tree->octree().child(cell, corner);
+    }
+    return cell;
+  };
+  const Vec3d here{0.0, 1.25, 0.01}, there{0.0, -1.25, 0.01};
+  const int before = tree->octree()[leaf_near(here)].level;
+  const int far_before = tree->octree()[leaf_near(there)].level;
+  const Result<std::size_t> cut = tree->cut_near({&here, 1});
+  ASSERT_TRUE(cut);
+  EXPECT_GT(*cut, 0U);
+  EXPECT_LE(*cut, 8U);
+  EXPECT_EQ(tree->octree()[leaf_near(here)].level, before + 1);
+  EXPECT_EQ(tree->octree()[leaf_near(there)].level, far_before);
+  // Far from the surface there is nothing to cut.
+  const Vec3d away{0.0, 0.0, 0.0};
+  EXPECT_EQ(*tree->cut_near({&away, 1}), 0U);
+}
+
 TEST(SurfaceOctree, HeedsItsLimits) {
   const Surface<Sphere> sphere;
   SurfaceOctreeOptions options = fine(0.01);
