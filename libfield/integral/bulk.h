@@ -72,6 +72,7 @@ struct BulkTable {
   TriangleRow<Jet> triangle_jets;
   TriangleRow<double> triangle_values;
   AddSources add_sources;
+  AddMoments add_moments;
   AddSeries<Jet> series_jets;
   AddSeries<double> series_values;
 
