@@ -7,12 +7,14 @@
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_arc.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/gaussian_triangle.h"
 #include "libfield/integral/inverse_arc.h"
 #include "libfield/integral/inverse_segment.h"
 #include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_arc.h"
 #include "libfield/integral/metaball_triangle.h"
 #include "libfield/integral/plane.h"
+#include "libfield/integral/squared_triangle.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
 #include "libfield/integral/support_triangle.h"
@@ -245,7 +247,8 @@ struct BulkPack {
   template <class Out>
   static consteval TriangleRow<Out> triangles() {
     return {&try_triangle<Cauchy, Out>, &try_triangle<Inverse, Out>, &try_triangle<Metaball, Out>,
-            &try_triangle<Soft, Out>,   &try_triangle<Quartic, Out>};
+            &try_triangle<Soft, Out>,   &try_triangle<Quartic, Out>, &try_triangle<Gaussian, Out>,
+            &try_triangle<Squared, Out>};
   }
   static consteval BulkTable table() {
     return {row<Jet>(),    row<double>(),    weights<Jet>(),   weights<double>(),
