@@ -116,6 +116,17 @@ TEST(GaussianEdge, BesideTheTriangleIsExact) {
   }
 }
 
+TEST(GaussianEdge, OfAShortEdgeHasTheLengthThatIsGiven) {
+  // t2 - t1 is off by one part in a million.
+  const double e = 1.5, t = 5.0, length = 1.234e-10, q = e * e + t * t;
+  for (const double x_least : {0.5, q}) {
+    const detail::GaussianForm<double> form(x_least);
+    const double rate = x_least < 1 ? -std::expm1(-q) / q : -std::exp(x_least - q) / q;
+    const double found = detail::gaussian_edge(form, 1.0, {t, t + length, e}, length, true);
+    EXPECT_NEAR(found, e * length * rate, 1e-8 * std::abs(e * length * rate));
+  }
+}
+
 /// At a height z over the plane, the triangle's nearest point at a distance `gap` from the foot.
 void expect_squared_edge(double z, double gap, double e, double t1, double t2) {
   const detail::SquaredForm<double> form(z * z, gap * gap);
