@@ -11,6 +11,7 @@
 #include "libfield/base/random.h"
 #include "libfield/integral/gaussian_triangle.h"
 #include "libfield/integral/squared_triangle.h"
+#include "libfield/primitive/triangle.h"
 
 namespace cs2mesh {
 namespace {
@@ -75,6 +76,18 @@ TEST(EdgePanels, KeepTheirReachFromThePoles) {
                     1e-13 * length);
       }
     }
+  }
+}
+
+TEST(SquaredPlaneGap, IsTheSquaredDistanceOfTheFoot) {
+  const Triangle triangle{{Vec3d{-0.5, -0.3, 0}, {0.5, -0.3, 0}, {0.25, 0.5, 0}}};
+  const TriangleFrame<double> frame(triangle);
+  for (int i = 0; i < 200; ++i) {
+    Random random(41, static_cast<std::uint64_t>(i));
+    const Vec3d foot{random.uniform(-2, 2), random.uniform(-2, 2), 0};
+    const TrianglePlace<double> at(frame, foot + Vec3d{0, 0, random.uniform(-1, 1)});
+    const double gap = distance(triangle, foot);
+    EXPECT_NEAR(detail::squared_plane_gap(at), gap * gap, 1e-14);
   }
 }
 
