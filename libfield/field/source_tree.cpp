@@ -7,8 +7,7 @@
 #include <cmath>
 #include <limits>
 
-#include "libfield/integral/far_sum.h"
-#include "libfield/integral/gauss_legendre.h"
+#include "libfield/integral/bulk.h"
 
 namespace cs2mesh {
 namespace {
@@ -32,27 +31,6 @@ std::optional<FarLaw> law_of(const Kernel& kernel) {
   if (const auto* squared = std::get_if<Squared>(&kernel))
     return FarLaw{2.0, squared->amplitude, 0};
   return std::nullopt;
-}
-
-/// (-x)^n / n!.
-std::array<double, kTaylorOrder + 1> divided_powers(double x) {
-  std::array<double, kTaylorOrder + 1> power{1.0};
-  for (std::size_t n = 1; n < power.size(); ++n) {
-    power[n] = power[n - 1] * (-x / static_cast<double>(n));
-  }
-  return power;
-}
-
-/// (-q)^k / k! times `weight`, added to the moments.
-void add_place(const Vec3d& q, double weight, Series& moments) {
-  const auto x = divided_powers(q.x), y = divided_powers(q.y), z = divided_powers(q.z);
-  for (std::size_t a = 0; a < x.size(); ++a) {
-    for (std::size_t b = 0; a + b < x.size(); ++b) {
-      const double xy = weight * x[a] * y[b];
-      double* row = moments.data() + series_index(static_cast<int>(a), static_cast<int>(b), 0);
-      for (std::size_t c = 0; a + b + c < x.size(); ++c) row[c] += xy * z[c];
-    }
-  }
 }
 
 }  // namespace
@@ -101,7 +79,8 @@ SourceTree::SourceTree(std::vector<FarElement> elements) : elements_(std::move(e
     first_moments_.push_back(sets);
     sets += node.tau_spread > 0 ? kTauOrders : 1;
   }
-  moments_.resize(sets);
+  // Written once, by measure(): there may be a hundred megabytes.
+  moments_ = std::make_unique_for_overwrite<Series[]>(sets);
   measure(0);
 }
 
@@ -144,7 +123,7 @@ std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
 
 void SourceTree::measure(std::uint32_t index) {
   const SourceNode& node = nodes_[index];
-  const std::span<Series> moments(moments_.data() + first_moments_[index],
+  const std::span<Series> moments(moments_.get() + first_moments_[index],
                                   node.tau_spread > 0 ? kTauOrders : 1);
   for (Series& series : moments) series.fill(0.0);
   if (node.right == 0) {
@@ -163,62 +142,40 @@ void SourceTree::measure(std::uint32_t index) {
 
 void SourceTree::measure_leaf(const SourceNode& node, std::span<Series> moments) const {
   const double inverse = 1 / node.radius;
+  const double per_spread = node.tau_spread > 0 ? 1 / node.tau_spread : 0.0;
+  std::vector<MomentSource> points, segments;
   for (const FarElement& element : std::span(elements_).subspan(node.first, node.count)) {
-    Series own{};
-    if (element.length > 0) {
-      // Eight nodes integrate all powers that count exactly.
-      constexpr const UnitRule<8>& rule = kUnitRule<8>;
-      for (std::size_t i = 0; i < 8; ++i) {
-        const Vec3d q = element.a + rule.node[i] * (element.b - element.a);
-        add_place(inverse * (q - node.center), element.weight * element.length * rule.weight[i],
-                  own);
-      }
-    } else {
-      add_place(inverse * (element.a - node.center), element.weight, own);
-    }
-    double power = 1.0;
-    for (Series& series : moments) {
-      for (std::size_t k = 0; k < kSeriesSize; ++k) series[k] += power * own[k];
-      if (moments.size() > 1) power *= (element.tau - node.tau) / node.tau_spread;
-    }
+    const bool segment = element.length > 0;
+    (segment ? segments : points)
+        .push_back({inverse * (element.a - node.center), inverse * (element.b - node.center),
+                    element.weight * (segment ? element.length : 1.0),
+                    (element.tau - node.tau) * per_spread});
+  }
+  const AddMoments add = bulk_table().add_moments;
+  if (!points.empty()) add(points.data(), points.size(), false, moments.size(), moments.data());
+  if (!segments.empty()) {
+    add(segments.data(), segments.size(), true, moments.size(), moments.data());
   }
 }
 
-/// Adds the moments of a child about the centre and the tau of its parent: with q = q' + shift,
-/// (-q)^k / k! is a sum of products of such powers of q' and of the shift.
+/// Adds the moments of a child about the centre and the tau of its parent.
 void SourceTree::take_over(const SourceNode& node, std::uint32_t child,
                            std::span<Series> moments) const {
   const SourceNode& part = nodes_[child];
-  Series shift{};
-  add_place((part.center - node.center) / node.radius, 1.0, shift);
-  std::array<double, kTaylorOrder + 1> power{1.0};
-  for (std::size_t n = 1; n < power.size(); ++n) {
-    power[n] = power[n - 1] * part.radius / node.radius;
-  }
   // t = scale t' + move.
   const double unit = node.tau_spread > 0 ? 1 / node.tau_spread : 0.0;
   const double scale = part.tau_spread * unit, move = (part.tau - node.tau) * unit;
   const std::array<std::array<double, kTauOrders>, kTauOrders> by = {
       {{1, 0, 0}, {move, scale, 0}, {move * move, 2 * move * scale, scale * scale}}};
   const std::size_t sets = part.tau_spread > 0 ? kTauOrders : 1;
-  visit_powers([&](int a, int b, int c) {
-    const std::size_t place = series_index(a, b, c);
-    const int rest = kTaylorOrder - a - b - c;
-    for (std::size_t j = 0; j < moments.size(); ++j) {
-      double m = 0.0;
-      for (std::size_t i = 0; i < sets; ++i) {
-        m += by[j][i] * moments_[first_moments_[child] + i][place];
-      }
-      m *= power[static_cast<std::size_t>(a + b + c)];
-      for (int x = 0; x <= rest; ++x) {
-        for (int y = 0; x + y <= rest; ++y) {
-          double* to = moments[j].data() + series_index(a + x, b + y, c);
-          const double* from = shift.data() + series_index(x, y, 0);
-          for (int z = 0; x + y + z <= rest; ++z) to[z] += m * from[z];
-        }
-      }
+  const Vec3d offset = (part.center - node.center) / node.radius;
+  for (std::size_t i = 0; i < sets; ++i) {
+    const Series moved =
+        moved_moments(moments_[first_moments_[child] + i], offset, part.radius / node.radius);
+    for (std::size_t j = i; j < moments.size(); ++j) {
+      for (std::size_t k = 0; k < kSeriesSize; ++k) moments[j][k] += by[j][i] * moved[k];
     }
-  });
+  }
 }
 
 }  // namespace cs2mesh

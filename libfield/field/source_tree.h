@@ -6,13 +6,14 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
 
 #include "libfield/base/aabb.h"
 #include "libfield/field/term.h"
-#include "libfield/integral/taylor_series.h"
+#include "libfield/integral/far_sum.h"
 
 namespace cs2mesh {
 
@@ -58,9 +59,6 @@ struct SourceNode {
   std::uint32_t right = 0;             ///< the child that is not the next node; 0 for a leaf
 };
 
-/// Powers of tau's differences that moments are kept for, 0 included; see SourceTree::moments.
-inline constexpr int kTauOrders = 3;
-
 /// Immutable. Built in O(n log n); some 300 bytes an element, 700 where tau varies.
 class SourceTree {
  public:
@@ -84,7 +82,7 @@ class SourceTree {
 
   std::vector<FarElement> elements_;
   std::vector<SourceNode> nodes_;
-  std::vector<Series> moments_;
+  std::unique_ptr<Series[]> moments_;       ///< of all nodes
   std::vector<std::size_t> first_moments_;  ///< by node
 };
 

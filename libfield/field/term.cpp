@@ -137,17 +137,23 @@ double influence_distance(const Term& term, double epsilon) {
   const double stretch = term.to_local ? stretch_bound(inverse(*term.to_local).linear) : 1.0;
   if (std::isfinite(support)) return support * stretch * (1 + 4 * kEpsilon);
 
-  // Bracket by doubling, then bisect on a logarithmic scale; the outer end is always safe.
-  double outer = 1e-300;
-  for (double d = 1e-12; d < 1e150; d *= 16) {
-    outer = d;
-    if (magnitude_bound(term, d) <= epsilon) break;
+  // Bracket on a grid of factors of 16, from the kernel's own length on, then bisect on a
+  // logarithmic scale; the outer end is always safe.
+  constexpr double kLeast = 1e-12, kMost = 1e150;
+  const auto within = [&](double distance) { return magnitude_bound(term, distance) <= epsilon; };
+  const double length = std::visit([](const auto& k) { return k.length_scale(); }, term.kernel);
+  const double steps = std::clamp(length * stretch, kLeast, kMost) / kLeast;
+  double outer = std::ldexp(kLeast, std::ilogb(steps) / 4 * 4);
+  if (within(outer)) {
+    while (outer > kLeast && within(outer / 16)) outer /= 16;
+  } else {
+    while (outer * 16 < kMost && !within(outer)) outer *= 16;
+    if (!within(outer)) return kInfinity;
   }
-  if (!(magnitude_bound(term, outer) <= epsilon)) return kInfinity;
   double inner = outer / 16;
   for (int i = 0; i < 8; ++i) {
     const double middle = std::sqrt(inner * outer);
-    (magnitude_bound(term, middle) <= epsilon ? outer : inner) = middle;
+    (within(middle) ? outer : inner) = middle;
   }
   return outer;
 }

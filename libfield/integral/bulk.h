@@ -34,7 +34,8 @@ using TryTriangle = void (*)(const K& kernel, const TriangleFrame<double>& frame
 template <class Out>
 using TriangleRow =
     std::tuple<TryTriangle<Cauchy, Out>, TryTriangle<Inverse, Out>, TryTriangle<Metaball, Out>,
-               TryTriangle<Soft, Out>, TryTriangle<Quartic, Out>>;
+               TryTriangle<Soft, Out>, TryTriangle<Quartic, Out>, TryTriangle<Gaussian, Out>,
+               TryTriangle<Squared, Out>>;
 inline constexpr std::size_t kMostLanes = 16;
 
 template <class Out>
@@ -72,6 +73,7 @@ struct BulkTable {
   TriangleRow<Jet> triangle_jets;
   TriangleRow<double> triangle_values;
   AddSources add_sources;
+  AddMoments add_moments;
   AddSeries<Jet> series_jets;
   AddSeries<double> series_values;
 

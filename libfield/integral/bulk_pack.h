@@ -7,12 +7,14 @@
 #include "libfield/integral/cauchy_triangle.h"
 #include "libfield/integral/gaussian_arc.h"
 #include "libfield/integral/gaussian_segment.h"
+#include "libfield/integral/gaussian_triangle.h"
 #include "libfield/integral/inverse_arc.h"
 #include "libfield/integral/inverse_segment.h"
 #include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_arc.h"
 #include "libfield/integral/metaball_triangle.h"
 #include "libfield/integral/plane.h"
+#include "libfield/integral/squared_triangle.h"
 #include "libfield/integral/support_arc.h"
 #include "libfield/integral/support_segment.h"
 #include "libfield/integral/support_triangle.h"
@@ -156,6 +158,36 @@ struct BulkPack {
     }
   }
 
+  /// A source a lane; eight nodes integrate all powers that count along a segment exactly.
+  [[gnu::flatten]] static void add_moments(const MomentSource* sources, std::size_t count,
+                                           bool segments, std::size_t sets, Series* moments) {
+    using P = Pack<N>;
+    constexpr const UnitRule<8>& rule = kUnitRule<8>;
+    P sums[kTauOrders * kSeriesSize];
+    for (std::size_t first = 0; first < count; first += N) {
+      Vec3<P> a, b;
+      P weight(0.0), t(0.0);
+      for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
+        const MomentSource& source = sources[first + lane];
+        const int i = static_cast<int>(lane);
+        a.x.lane[i] = source.a.x, a.y.lane[i] = source.a.y, a.z.lane[i] = source.a.z;
+        b.x.lane[i] = source.b.x, b.y.lane[i] = source.b.y, b.z.lane[i] = source.b.z;
+        weight.lane[i] = source.weight, t.lane[i] = source.t;
+      }
+      PlacePowers<P> places[8];
+      for (std::size_t i = 0; segments && i < 8; ++i) {
+        places[i] = PlacePowers<P>(a + P(rule.node[i]) * (b - a), weight * P(rule.weight[i]));
+      }
+      if (!segments) places[0] = PlacePowers<P>(a, weight);
+      const P factor[kTauOrders] = {P(1), t, t * t};
+      add_places<kTaylorOrder>(places, segments ? 8 : 1, factor, sets, sums);
+    }
+    for (std::size_t k = 0; k < sets * kSeriesSize; ++k) {
+      double& to = moments[k / kSeriesSize][k % kSeriesSize];
+      for (int lane = 0; lane < N; ++lane) to += sums[k].lane[lane];
+    }
+  }
+
   template <class Out>
   [[gnu::flatten]] static void add_series(const double* series, const Vec3d& center, double unit,
                                           const Vec3d* points, Out* sums, std::size_t count) {
@@ -215,12 +247,13 @@ struct BulkPack {
   template <class Out>
   static consteval TriangleRow<Out> triangles() {
     return {&try_triangle<Cauchy, Out>, &try_triangle<Inverse, Out>, &try_triangle<Metaball, Out>,
-            &try_triangle<Soft, Out>, &try_triangle<Quartic, Out>};
+            &try_triangle<Soft, Out>,   &try_triangle<Quartic, Out>, &try_triangle<Gaussian, Out>,
+            &try_triangle<Squared, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),    row<double>(),    weights<Jet>(),     weights<double>(),
-            points<Jet>(), points<double>(), triangles<Jet>(),   triangles<double>(),
-            &add_sources,  &add_series<Jet>, &add_series<double>};
+    return {row<Jet>(),    row<double>(),    weights<Jet>(),   weights<double>(),
+            points<Jet>(), points<double>(), triangles<Jet>(), triangles<double>(),
+            &add_sources,  &add_moments,     &add_series<Jet>, &add_series<double>};
   }
 };
 

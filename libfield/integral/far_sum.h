@@ -24,12 +24,60 @@ struct SeriesSource {
 using AddSources = void (*)(double two_nu, int order, const SeriesSource* sources,
                             std::size_t count, double* series);
 
+/// Powers of tau's differences that moments are kept for, 0 included.
+inline constexpr int kTauOrders = 3;
+
+/// A point or a segment as seen from the centre of a cluster, lengths in units of its radius.
+struct MomentSource {
+  Vec3d a, b;         ///< its ends; b is not used of a point
+  double weight = 0;  ///< all of it
+  double t = 0;       ///< from the cluster's tau, in units of its spread
+};
+
+/// Adds sum w t^j int (-q)^k / k! dq over the sources to the moments of j < sets <= kTauOrders.
+using AddMoments = void (*)(const MomentSource* sources, std::size_t count, bool segments,
+                            std::size_t sets, Series* moments);
+
 /// Adds the series at each of the points, x = (p - center) / unit; as a value or as a jet.
 template <class Out>
 using AddSeries = void (*)(const double* series, const Vec3d& center, double unit,
                            const Vec3d* points, Out* sums, std::size_t count);
 
 namespace detail {
+
+/// (-q)^n / n! for each coordinate of a place; that of x times its weight.
+template <class T>
+struct PlacePowers {
+  T x[kTaylorOrder + 1], y[kTaylorOrder + 1], z[kTaylorOrder + 1];
+
+  PlacePowers() = default;
+  PlacePowers(const Vec3<T>& q, const T& weight) {
+    divided_powers(q.x, weight, x);
+    divided_powers(q.y, T(1), y);
+    divided_powers(q.z, T(1), z);
+  }
+};
+
+/// Adds the products of such powers over `count` places, times `factor` set by set, to those
+/// moments whose row has M + 1 powers of z, and to all with shorter ones.
+template <int M, class T>
+void add_places(const PlacePowers<T>* places, std::size_t count, const T* factor, std::size_t sets,
+                T* moments) {
+  for (int a = 0; a <= kTaylorOrder - M; ++a) {
+    const int b = kTaylorOrder - M - a;
+    T row[M + 1] = {};
+    for (std::size_t i = 0; i < count; ++i) {
+      const T xy = places[i].x[a] * places[i].y[b];
+#pragma GCC unroll 16
+      for (int c = 0; c <= M; ++c) row[c] = fma(xy, places[i].z[c], row[c]);
+    }
+    for (std::size_t j = 0; j < sets; ++j) {
+      T* to = moments + j * kSeriesSize + series_index(a, b, 0);
+      for (int c = 0; c <= M; ++c) to[c] = fma(factor[j], row[c], to[c]);
+    }
+  }
+  if constexpr (M > 0) add_places<M - 1>(places, count, factor, sets, moments);
+}
 
 /// k! by place.
 inline constexpr std::array<double, kSeriesSize> kFactorials = [] {

@@ -12,11 +12,13 @@
 //
 //  - Near or over the triangle (a times the foot's distance to it below 1) the first: every term is
 //    positive over the triangle, and within e of the result beside it. Panels of 14 nodes cover a^2
-//    q < 40, theta is the rest.
-//  - Farther out the second, over what lies within exp(-41) of the field's greatest value; panels
-//    keep 2.2 times their length from the poles t = +-i e (gauss_legendre.h).
-//    As a panel is no longer than 2 / a and the exponent changes by 8 along it at most, 14 nodes
-//    err by 1e-18 (quadrature.h): some 5 panels a side of the foot at most in either.
+//    q < 40, theta is the rest. The integrand has no pole; on a panel of length 2.5 / a 14 nodes
+//    err by 2e-18 of it at most, wherever it lies (computed).
+//  - Farther out the second, over what lies within exp(-45) of the field's greatest value. A panel
+//    whose near end's exponent is D below the greatest may span a change of 10 + D, keeps 2.6 times
+//    its length from the poles t = +-i e (edge_panels.h) and is no longer than 2.5 / a: 7e-17 of
+//    the integral is the greatest error on edges from foot or end outward, whatever e and t
+//    (computed; some 3 panels an edge). e is at least 1 / a where the foot lies on the edge itself.
 //  - Along an interval of length 1 on which the exponent is -(w x + b x^2 + const), |exp| on the
 //    ellipse of half axes' sum rho / 2 (gauss_legendre.h) exceeds its greatest value there by
 //    exp(w rho / 4 + b rho^2 / 16) at most, so N nodes err by rho^-2N times that: with rho = 320,
@@ -43,125 +45,131 @@ namespace cs2mesh {
 namespace detail {
 
 inline constexpr double kNearEnd = 40.0;  ///< of the first form: exp(-40) = 4e-18
+/// The longest panel, in units of 1 / a; the reach of those of the second form.
+inline constexpr double kEdgeSpan = 2.5, kEdgeReach = 2.6;
+/// The change of the exponent that a panel may span where the field is greatest.
+inline constexpr double kEdgeChange = 10.0;
 
-/// Whether 14 nodes suffice for exp(-a^2 t^2) on [t, t + length].
-inline bool smooth_gaussian(double a, double t, double length) {
-  const double change = a * a * length * std::abs(2.0 * t + length);
-  return a * length <= kGaussianSpan && change <= kGaussianChange;
-}
+/// Which integral along the edges, in units of 1 / a: the first form near the triangle, else the
+/// second, whose exponent is least, x0, at the point of the triangle next to the foot.
+template <class T>
+struct GaussianForm {
+  MaskOf<T> near;
+  T x0, one;  ///< one: 1 in the first form
 
-template <class Decide, class Integrand>
-double edge_integral(const Piece& piece, const Decide& decide, const Integrand& integrand) {
-  double sum = 0.0;
-  visit_panels(0.0, piece.length, decide, [&](double o, double panel) {
-    constexpr const UnitRule<14>& rule = kUnitRule<14>;
-    double part = 0.0;
-    for (std::size_t j = 0; j < 14; ++j) {
-      part += rule.weight[j] * integrand(piece.start + (o + rule.node[j] * panel));
-    }
-    sum += panel * part;
-  });
-  return sum;
-}
+  explicit GaussianForm(const T& x_least)
+      : near(x_least < T(1)), x0(select(near, T(0), x_least)), one(select(near, T(1), T(0))) {}
 
-/// e int (1 - exp(-a^2 q)) / q dt.
-inline double gaussian_near(double a, const EdgePlace<double>& at, double length) {
-  const double a2 = a * a, e2 = at.e * at.e;
-  const double tau = std::sqrt(std::max(0.0, kNearEnd / a2 - e2));
-  const double from = std::min(std::max(-tau, at.t1), at.t2);
-  const double to = std::max(std::min(tau, at.t2), at.t1);
-  const bool whole = at.t1 >= -tau && at.t2 <= tau;
-  const double theta = whole ? 0.0 : angle_of_stretches(at.e, at.t1, from, to, at.t2);
-  const Piece piece{from, whole ? length : to - from, 1.0};
-  if (!(piece.length > 0.0)) return theta;
-  const double sum = edge_integral(
-      piece,
-      [&](double o, double panel) {
-        return smooth_gaussian(a, piece.start + o, panel) ? Panel::take : Panel::split;
-      },
-      [&](double t) {
-        const double x = a2 * (e2 + t * t);
-        return x > 0.0 ? -vmath::expm1(-x) / x : 1.0;
-      });
-  return at.e * a2 * sum + theta;
-}
-
-/// -e int exp(-(a^2 q - x0)) / q dt, where x0 <= a^2 q on the whole triangle.
-inline double gaussian_beside(double a, const EdgePlace<double>& at, double length, double x0) {
-  const double a2 = a * a, e2 = at.e * at.e;
-  const Pieces pieces = pieces_of(at.t1, at.t2, length);
-  double sum = 0.0;
-  for (std::size_t i = 0; i < pieces.count; ++i) {
-    const Piece& piece = pieces.piece[i];
-    sum += edge_integral(
-        piece,
-        [&](double o, double panel) {
-          const double t = piece.start + o, end = t + panel;
-          if (a2 * (e2 + t * t) - x0 > kGaussianEnd) return Panel::skip;
-          const double poles = std::sqrt(e2 + t * t) + std::sqrt(e2 + end * end);
-          const bool clear = poles >= kReach14 * panel && smooth_gaussian(a, t, panel);
-          return clear ? Panel::take : Panel::split;
-        },
-        [&](double t) {
-          const double q = e2 + t * t;
-          return vmath::exp(x0 - a2 * q) / q;
-        });
+  /// -1 times the integrand, at x = a^2 q and at y.
+  T sum_at(const T& x, const T& y) const {
+    const T fx = vmath::exp_less(T(x0 - x), one), fy = vmath::exp_less(T(x0 - y), one);
+    return (fx * y + fy * x) / (x * y);
   }
-  return -at.e * sum;
+  /// The longest panel that may begin at t.
+  T limit(const T& t, const T& e2) const {
+    using std::max;
+    using std::min;
+    using std::sqrt;
+    const T span(kEdgeSpan);
+    if (all(near)) return span;
+    // Of change c: t' L + L^2 / 2 = c / 2, t' = t or 0.
+    const T change = T(kEdgeChange) + max(T(0), T(e2 + t * t - x0)), out = max(T(0), t);
+    const T falling = change / (out + sqrt(out * out + change));
+    const T clear = longest_panel(T(kEdgeReach), t, e2);
+    return select(near, span, min(span, min(falling, clear)));
+  }
+};
+
+/// e int (1 - exp(-a^2 q)) / q dt near the triangle, -e int exp(-(a^2 q - x0)) / q dt beside it, in
+/// the lanes that are set.
+template <class T>
+T gaussian_edge(const GaussianForm<T>& form, const T& a, const EdgePlace<T>& at, const T& length,
+                const MaskOf<T>& lanes) {
+  using std::max;
+  using std::min;
+  using std::sqrt;
+  const T end = select(form.near, T(kNearEnd), T(form.x0 + T(kGaussianEnd)));
+  const T tau = sqrt(max(T(0), T(end / (a * a) - at.e * at.e)));
+  const T from = min(max(T(-tau), at.t1), at.t2), to = max(min(tau, at.t2), at.t1);
+  const MaskOf<T> whole = both(at.t1 >= -tau, at.t2 <= tau);
+  const MaskOf<T> open(lanes & form.near & MaskOf<T>(!whole));
+  T theta(0);
+  if (any(open)) {
+    theta = select(open, angle_of_stretches(at.e, at.t1, from, to, at.t2), T(0));
+  }
+  const T e = a * at.e, e2 = e * e;
+  T sum(0);
+  visit_edge_panels(
+      Stretch<T>{a * from, a * to, a * max(T(0), select(whole, length, T(to - from)))}, lanes,
+      [&](const T& t) { return form.limit(t, e2); },
+      [&](const T& t, const T& s, const T& weight) {
+        const T least(1e-140);
+        sum -= weight * form.sum_at(max(T(e2 + t * t), least), max(T(e2 + s * s), least));
+      });
+  return select(lanes, T(e * sum + theta), T(0));
 }
 
-inline TriangleTrial<double> gaussian_edges(const Gaussian& kernel,
-                                            const TriangleFrame<double>& triangle,
-                                            const TrianglePlace<double>& at, double gap2) {
-  const double a = kernel.a, a2 = a * a, z2 = at.z * at.z;
-  const bool near = a2 * gap2 < 1.0;
-  const double x0 = near ? 0.0 : a2 * gap2;
-  const double scale = bounded_exp(kernel.log_amplitude - a2 * z2 - x0) * (0.5 / a2);
-  TriangleTrial<double> trial;
-  EdgeSizes<double> size;
+template <class T>
+TriangleTrial<T> gaussian_edges(const Gaussian& kernel, const TriangleFrame<T>& triangle,
+                                const TrianglePlace<T>& at, const T& gap2, const MaskOf<T>& lanes) {
+  using std::abs;
+  using std::sqrt;
+  const T a(kernel.a), a2 = a * a, z2 = at.z * at.z;
+  const GaussianForm<T> form(T(a2 * gap2));
+  const T scale = bounded_exp(T(T(kernel.log_amplitude) - a2 * z2 - form.x0)) * (T(0.5) / a2);
+  TriangleTrial<T> trial;
+  EdgeSizes<T> size;
   for (std::size_t i = 0; i < 3; ++i) {
-    const EdgePlace<double>& edge = at.edge[i];
-    const double length = triangle.edge[i].length;
-    const double term = edge.e == 0.0 ? 0.0
-                                      : scale * (near ? gaussian_near(a, edge, length)
-                                                      : gaussian_beside(a, edge, length, x0));
-    const double line = gaussian_line(kernel, edge.t1, edge.t2, length, edge.e * edge.e + z2).value;
+    const EdgePlace<T>& edge = at.edge[i];
+    const T& length = triangle.edge[i].length;
+    const MaskOf<T> seen = lanes & (abs(edge.e) > T(0));
+    const T term = scale * gaussian_edge(form, a, edge, length, seen);
+    const T line = gaussian_line(kernel, edge.t1, edge.t2, length, T(edge.e * edge.e + z2)).value;
     trial.jet.value += term;
     trial.jet.gradient -= line * triangle.edge[i].outward;
-    size.value += std::abs(term);
+    size.value += abs(term);
     size.gradient += line;
   }
-  trial.jet.gradient -= (2.0 * a2 * at.z * trial.jet.value) * triangle.normal;
-  trial.good = sums_hold(trial.jet, size, 2.0 * a2 * trial.jet.value, std::sqrt(at.farthest));
+  trial.jet.gradient -= (T(2) * a2 * at.z * trial.jet.value) * triangle.normal;
+  trial.good = sums_hold(trial.jet, size, T(T(2) * a2 * trial.jet.value), T(sqrt(at.farthest)));
   return trial;
 }
 
 }  // namespace detail
 
 /// The integral, and where it keeps its digits.
-inline TriangleTrial<double> triangle_trial(const Gaussian& kernel,
-                                            const TriangleFrame<double>& triangle,
-                                            const Vec3d& point) {
-  const TrianglePlace<double> at(triangle, point);
-  if (!at.near || !(triangle.height > 0.0)) return {};
-  const double a2 = kernel.a * kernel.a, gap2 = detail::squared_plane_gap(at);
-  if (!(kernel.log_amplitude - a2 * (at.z * at.z + gap2) > detail::kLeastExponent)) return {};
+template <class T>
+TriangleTrial<T> triangle_trial(const Gaussian& kernel, const TriangleFrame<T>& triangle,
+                                const Vec3<T>& point) {
+  using std::sqrt;
+  const TrianglePlace<T> at(triangle, point);
+  const T a2(kernel.a * kernel.a), gap2 = detail::squared_plane_gap(at);
+  const T log_amplitude(kernel.log_amplitude);
+  const T exponent = log_amplitude - a2 * (at.z * at.z + gap2);
+  const MaskOf<T> alive =
+      both(at.near, triangle.height > T(0), exponent > T(detail::kLeastExponent));
+  if (!any(alive)) return {};
   // Bounds of the exponent's slope and bend along any chord.
-  const double longest = triangle.edge[0].length;
-  const double w = 2.0 * a2 * longest * std::sqrt(at.farthest), b = a2 * longest * longest;
-  const auto law = [&](double u) {
-    const double h = detail::bounded_exp(kernel.log_amplitude - a2 * u);
-    return detail::NodeLaw<double>{h, -2.0 * a2 * h};
+  const T& longest = triangle.edge[0].length;
+  const T w = T(2) * a2 * longest * sqrt(at.farthest), b = a2 * longest * longest;
+  const auto law = [&](const T& u) {
+    const T h = detail::bounded_exp(T(log_amplitude - a2 * u));
+    return detail::NodeLaw<T>{h, T(-2) * a2 * h};
   };
   const auto nodes = [&](auto order) {
-    return TriangleTrial<double>{
-        detail::triangle_nodes<decltype(order)::value>(triangle, at.d, 1.0, law), true};
+    return TriangleTrial<T>{
+        detail::triangle_nodes<decltype(order)::value>(triangle, at.d, T(1), law)};
   };
-  if (80.0 * w + 6400.0 * b < 7.0) return nodes(std::integral_constant<std::size_t, 4>{});
-  if (17.5 * w + 306.0 * b < 12.0) return nodes(std::integral_constant<std::size_t, 6>{});
-  const TriangleTrial<double> trial = detail::gaussian_edges(kernel, triangle, at, gap2);
-  if (trial.good || 7.5 * w + 56.0 * b >= 15.0) return trial;
-  return nodes(std::integral_constant<std::size_t, 8>{});
+  FirstOf<T, TriangleTrial<T>> trials(alive);
+  trials.take(T(80) * w + T(6400) * b < T(7),
+              [&] { return nodes(std::integral_constant<std::size_t, 4>{}); });
+  trials.take(T(17.5) * w + T(306) * b < T(12),
+              [&] { return nodes(std::integral_constant<std::size_t, 6>{}); });
+  const TriangleTrial<T> trial = trials.otherwise(
+      [&] { return detail::gaussian_edges(kernel, triangle, at, gap2, trials.left()); });
+  const MaskOf<T> again(MaskOf<T>(!trial.good) & (T(7.5) * w + T(56) * b < T(15)));
+  if (!any(again)) return trial;
+  return select(again, nodes(std::integral_constant<std::size_t, 8>{}), trial);
 }
 
 }  // namespace cs2mesh

@@ -139,7 +139,7 @@ TriangleTrial<T> inverse_edges(const Inverse& kernel, const TriangleFrame<T>& tr
   return trial;
 }
 
-/// Nodes from afar, else `edges`, else nodes again; amplitude 1.
+/// Nodes from afar, else edges(lanes), else nodes again; amplitude 1.
 template <class K, class T, class Edges>
 TriangleTrial<T> afar_or(const K& kernel, const TriangleFrame<T>& triangle,
                          const TrianglePlace<T>& at, const TriangleDistance<T>& distance,
@@ -152,7 +152,7 @@ TriangleTrial<T> afar_or(const K& kernel, const TriangleFrame<T>& triangle,
     return TriangleTrial<T>{triangle_nodes<6>(triangle, at.d, T(1), law_of)};
   });
   if (done) return trials.result();
-  const TriangleTrial<T> trial = trials.otherwise(edges);
+  const TriangleTrial<T> trial = trials.otherwise([&] { return edges(trials.left()); });
   const MaskOf<T> again(MaskOf<T>(!trial.good) & distance.beyond(kReach8, triangle));
   if (!any(again)) return trial;
   return select(again, TriangleTrial<T>{triangle_nodes<8>(triangle, at.d, T(1), law_of)}, trial);
@@ -168,7 +168,7 @@ TriangleTrial<T> triangle_trial(const Inverse& kernel, const TriangleFrame<T>& t
   const MaskOf<T> near(at.near & (triangle.height > T(0)));
   if (!any(near)) return {};
   const detail::TriangleDistance<T> distance(triangle, at);
-  TriangleTrial<T> trial = detail::afar_or(kernel, triangle, at, distance, [&] {
+  TriangleTrial<T> trial = detail::afar_or(kernel, triangle, at, distance, [&](const MaskOf<T>&) {
     return detail::inverse_edges(kernel, triangle, at, distance);
   });
   trial.good =

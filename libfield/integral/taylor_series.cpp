@@ -42,6 +42,45 @@ Series recentered(const Series& series, const Vec3d& offset, double scale) {
   return out;
 }
 
+Series moved_moments(const Series& moments, const Vec3d& offset, double scale) {
+  // (-q)^k / k! is a sum of products of such powers of the offset and of scale q': one axis after
+  // the other, rows of high powers first, as they take from those of lower ones.
+  std::array<double, kTaylorOrder + 1> x, y, z, unit;
+  divided_powers(offset.x, 1.0, x.data());
+  divided_powers(offset.y, 1.0, y.data());
+  divided_powers(offset.z, 1.0, z.data());
+  unit[0] = 1.0;
+  for (std::size_t n = 1; n < unit.size(); ++n) unit[n] = unit[n - 1] * scale;
+  Series out;
+  visit_powers([&](int a, int b, int c) {
+    const std::size_t place = series_index(a, b, c);
+    out[place] = unit[static_cast<std::size_t>(a + b + c)] * moments[place];
+  });
+  const auto every_row = [&](const auto& move) {
+    for (int a = kTaylorOrder; a >= 0; --a) {
+      for (int b = kTaylorOrder - a; b >= 0; --b) {
+        move(a, b, out.data() + series_index(a, b, 0), kTaylorOrder - a - b);
+      }
+    }
+  };
+  const auto add = [&](double factor, int a, int b, double* to, int degree) {
+    const double* from = out.data() + series_index(a, b, 0);
+    for (int c = 0; c <= degree; ++c) to[c] += factor * from[c];
+  };
+  every_row([&](int /*a*/, int /*b*/, double* self, int degree) {
+    for (int c = degree; c >= 0; --c) {
+      for (int m = 1; m <= c; ++m) self[c] += z[static_cast<std::size_t>(m)] * self[c - m];
+    }
+  });
+  every_row([&](int a, int b, double* self, int degree) {
+    for (int m = 1; m <= b; ++m) add(y[static_cast<std::size_t>(m)], a, b - m, self, degree);
+  });
+  every_row([&](int a, int b, double* self, int degree) {
+    for (int m = 1; m <= a; ++m) add(x[static_cast<std::size_t>(m)], a - m, b, self, degree);
+  });
+  return out;
+}
+
 Symmetric3 series_hessian(const Series& series, const Vec3d& x) {
   // x^n with its first and second derivatives, by axis.
   std::array<std::array<Vec3d, kTaylorOrder + 1>, 3> power{};

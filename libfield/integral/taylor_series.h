@@ -142,6 +142,13 @@ void kernel_series(double two_nu, int order, const Vec3<T>& d, const T& s, const
   }
 }
 
+/// (-x)^n / n! for n <= kTaylorOrder, times `factor`.
+template <class T>
+void divided_powers(const T& x, const T& factor, T* power) {
+  power[0] = factor;
+  for (int n = 1; n <= kTaylorOrder; ++n) power[n] = power[n - 1] * (x * T(-1.0 / n));
+}
+
 /// x^-nu.
 inline double inverse_power(double two_nu, double x) {
   if (two_nu == 4.0) return 1 / (x * x);
@@ -160,6 +167,10 @@ inline double series_remainder(double two_nu, double q, int order = kTaylorOrder
 
 /// The same polynomial about another centre and in another unit: x = offset + scale x'.
 Series recentered(const Series& series, const Vec3d& offset, double scale);
+
+/// The moments int (-q)^k / k! of a distribution, q counted from another place and in another unit:
+/// q = offset + scale q'.
+Series moved_moments(const Series& moments, const Vec3d& offset, double scale);
 
 /// The second derivative of a series at x.
 Symmetric3 series_hessian(const Series& series, const Vec3d& x);

@@ -100,33 +100,55 @@ T exp2(const T& x) {
   return scaled_by_rounded(sum, shifted);
 }
 
+/// e^x - c for x <= 700 and c = 0 or 1, within 2 ulp; from -60 down as at -60.
+template <class T>
+T exp_less(const T& x, const T& c) {
+  using std::max;
+  const detail::Exponential<T> e(max(x, T(-60)));
+  const T power = power_of_two(e.k);
+  return power * e.rest + (power - c);
+}
+
 /// e^x - 1 for x <= 700, within 2 ulp.
 template <class T>
 T expm1(const T& x) {
   if constexpr (kIsDouble<T>) {
-    using std::max;
-    const detail::Exponential<T> e(max(x, T(-60)));
-    const T power = power_of_two(e.k);
-    return power * e.rest + (power - T(1));
+    return exp_less(x, T(1));
   } else {
     using std::expm1;
     return expm1(x);
   }
 }
 
+/// The natural logarithm of a normal x > 0 from the quotient of two numbers, for those who can have
+/// that quotient together with others.
+template <class T>
+struct Logarithm {
+  T exponent, numerator, denominator;
+
+  /// x = 2^k m, m within sqrt(2) of 1; log m = 2 artanh((m - 1) / (m + 1)).
+  explicit Logarithm(const T& x) {
+    const detail::BinaryParts<T> parts(x);
+    const auto upper = T(std::numbers::sqrt2) < parts.mantissa;
+    const T m = select(upper, T(T(0.5) * parts.mantissa), parts.mantissa);
+    exponent = parts.exponent + select(upper, T(1), T(0));
+    numerator = m - T(1);
+    denominator = m + T(1);
+  }
+  /// From z = numerator / denominator.
+  T at(const T& z) const {
+    const T w = z * z;
+    const T rest = T(2) * z * (w * polynomial(detail::kArtanh, w));
+    return exponent * T(detail::kLn2High) + (exponent * T(detail::kLn2Low) + rest + T(2) * z);
+  }
+};
+
 /// The natural logarithm of a normal x > 0, within 2 ulp (below 1, within 2e-16 of 1 as well).
 template <class T>
 T log(const T& x) {
   if constexpr (kIsDouble<T>) {
-    // x = 2^k m, m within sqrt(2) of 1; log m = 2 artanh((m - 1) / (m + 1)).
-    const detail::BinaryParts<T> parts(x);
-    const auto upper = T(std::numbers::sqrt2) < parts.mantissa;
-    const T m = select(upper, T(T(0.5) * parts.mantissa), parts.mantissa);
-    const T k = parts.exponent + select(upper, T(1), T(0));
-    const T z = (m - T(1)) / (m + T(1));
-    const T w = z * z;
-    const T rest = T(2) * z * (w * polynomial(detail::kArtanh, w));
-    return k * T(detail::kLn2High) + (k * T(detail::kLn2Low) + rest + T(2) * z);
+    const Logarithm<T> parts(x);
+    return parts.at(T(parts.numerator / parts.denominator));
   } else {
     using std::log;
     return log(x);
