@@ -218,7 +218,9 @@ Result<MesherResult> mesh_adaptive(const ImplicitSurface& surface, const MesherR
     return nothing;
   }
   // A profile that jumps makes walls and slots of any width, which the lattice mesher looks for.
-  if (!std::isfinite(surface.derivative_bound(1, surface.bounds()))) {
+  // Where bounds are cheap there are none, but deep inside F may overflow.
+  if (!surface.has_cheap_bounds() &&
+      !std::isfinite(surface.derivative_bound(1, surface.bounds()))) {
     return mesh_by_lattice(surface, request);
   }
   AdaptiveStatistics log;

@@ -23,7 +23,7 @@
 namespace cs2mesh {
 
 /// Whether bounds of sums with this term can be had in the exponent: a Gaussian over a point, a
-/// segment or a triangle, added, not transformed and not weighted.
+/// segment or a triangle, added, not transformed and not weighted, and not too stiff.
 bool has_log_bounds(const Term& term);
 
 /// A sum of such terms near the centre of a box.
@@ -35,7 +35,8 @@ class LogSum {
                                         std::span<const std::uint32_t> list,
                                         std::span<const BatchBox> boxes);
 
-  /// Contains log F over the box, rounding included. Some 10 ns a term.
+  /// Contains log F over the box, rounding included, of the sum whose exponents are not cut off.
+  /// Some 10 ns a term.
   Interval range(const BatchBox& box) const;
   /// A lower bound, over the box, of the derivative of log F along a direction.
   double least_slope(const BatchBox& box, const Vec3d& direction) const;
