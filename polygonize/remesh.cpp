@@ -153,11 +153,10 @@ class Remesher {
   /// Puts a vertex where the jet at `point` says that the surface is; returns the length of the
   /// way.
   double place(Index v, const Vec3d& point, const Jet& jet) {
-    const Vec3d& g = jet.gradient;
-    const double slope = squared_norm(g);
-    if (!(slope > 0)) return 0.0;
-    normals_[v] = -1.0 / std::sqrt(slope) * g;
-    const Vec3d step = bounded(leveled(jet.value) / slope * g, v);
+    const double slope = norm_of_any(jet.gradient);
+    if (!(slope > 0)) return kInfinity;
+    normals_[v] = -1.0 / slope * jet.gradient;
+    const Vec3d step = bounded(-leveled(jet.value) / slope * normals_[v], v);
     mesh_.move_vertex(v, point - step);
     return norm(step);
   }
