@@ -113,12 +113,22 @@ class Adaptive {
     return {std::move(best), {remark}};
   }
 
-  /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
-  /// cross.
+  /// The first mesh made to fit that part of the tolerance; where its triangles cross, once more
+  /// with a look at that from the beginning. Its error is infinite where they cross for all that.
   MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, double aim) {
     RemeshOptions remeshing;
     remeshing.tolerance = aim * request_.tolerance;
     remeshing.progress = request_.progress;
+    MesherResult result = fit(tree, first, remeshing);
+    if (result.error < HUGE_VAL || result.mesh.empty() || cancelled(request_.progress)) {
+      return result;
+    }
+    remeshing.untangle = true;
+    return fit(tree, first, remeshing);
+  }
+
+  MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first,
+                   const RemeshOptions& remeshing) {
     RemeshStatistics remeshed;
     MesherResult result;
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);

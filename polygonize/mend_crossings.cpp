@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "polygonize/collapse_crossings.h"
 #include "polygonize/self_intersection.h"
 #include "polygonize/surface_projection.h"
 
@@ -43,19 +44,23 @@ void smooth(const ImplicitSurface& surface, TriangleMesh& mesh, const std::vecto
 }  // namespace
 
 Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
-  constexpr int kMostRounds = 6;
+  constexpr int kMostRounds = 8;
   constexpr std::size_t kMostPairs = 10'000;
   for (int round = 0;; ++round) {
     const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
     if (!found || found->pairs.empty()) return round == 0 ? Crossings::none : Crossings::mended;
     if (round == kMostRounds || found->pairs.size() == kMostPairs) return Crossings::left;
+    EditableMesh editable(std::move(mesh));
+    const std::size_t collapsed = collapse_crossings(editable);
+    mesh = editable.take();
+    if (collapsed > 0) continue;
     std::vector<bool> marked(mesh.positions.size(), false);
     for (const auto& pair : found->pairs) {
       for (const auto t : pair) {
         for (const Index v : mesh.triangles[t]) marked[v] = true;
       }
     }
-    for (int ring = 0; ring < round / 2; ++ring) marked = widened_by_ring(mesh, marked);
+    for (int ring = 0; ring < (round - 1) / 2; ++ring) marked = widened_by_ring(mesh, marked);
     smooth(surface, mesh, marked, reach);
   }
 }

@@ -1,4 +1,4 @@
-// Triangles that cross others, taken apart by smoothing the mesh around them.
+// Triangles that cross others, taken apart.
 #pragma once
 
 #include "libfield/field/implicit_surface.h"
@@ -12,8 +12,9 @@ enum class Crossings {
   left,
 };
 
-/// Moves the corners of triangles that cross others to the middle of their neighbours and back to
-/// the surface, a few times over, more of the neighbourhood each time. `reach` is how far from the
+/// Collapses or flips edges of triangles that cross others, a few times over; where that does not
+/// help, moves their corners to the middle of their neighbours and back to the surface, more of the
+/// neighbourhood each time. `reach` is how far from the
 /// surface vertices may come to be, scene units, > 0. Not promised: that triangles stay as near to
 /// the surface as they were.
 Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach);
