@@ -58,8 +58,11 @@ class Adaptive {
     // Slits far below the smallest cell: better looked for than sampled by chance.
     constexpr double kMuch = 0.005;
     const double open = static_cast<double>(log_.open_leaves);
-    if (provable_ && open > kMuch * (open + static_cast<double>(log_.simple_leaves))) {
-      return mesh_by_lattice(surface_, request_);
+    proven_ = provable_ && open <= kMuch * (open + static_cast<double>(log_.simple_leaves));
+    if (provable_ && !proven_) {
+      lattice_.emplace(mesh_by_lattice(surface_, request_));
+      if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
+      if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
     }
     const OctreeMesh first = mesh_octree(surface_, *tree);
     log_.first_triangles = first.mesh.triangles.size();
@@ -76,7 +79,16 @@ class Adaptive {
       if (best.error <= kAccept * request_.tolerance) break;
       if (!provable_) break;
     }
-    if (best.error > request_.tolerance) return by_lattice(std::move(best));
+    const double enough = (provable_ ? 1.0 : kAccept) * request_.tolerance;
+    if (best.error > enough) {
+      Result<MesherResult> other = by_lattice();
+      if (!other && !(best.error < HUGE_VAL)) return other;
+      if (other && other->error < best.error) return other;
+    }
+    if (best.error > request_.tolerance) {
+      const Diagnostic remark = tolerance_missed(request_.tolerance, best.error, smallest_cell_);
+      return {std::move(best), {remark}};
+    }
     best.cell = smallest_cell_;
     best.values = log_.octree.values + log_.jets;
     best.gradients = log_.octree.gradients + log_.jets;
@@ -104,13 +116,10 @@ class Adaptive {
                     Failure::limit);
   }
 
-  /// What the lattice mesher makes of it, if that is better.
-  Result<MesherResult> by_lattice(MesherResult best) const {
-    Result<MesherResult> other = mesh_by_lattice(surface_, request_);
-    if (other && other->error < best.error) return other;
-    if (!(best.error < HUGE_VAL)) return other;
-    const Diagnostic remark = tolerance_missed(request_.tolerance, best.error, smallest_cell_);
-    return {std::move(best), {remark}};
+  /// What the lattice mesher makes of it.
+  Result<MesherResult> by_lattice() {
+    if (!lattice_) lattice_.emplace(mesh_by_lattice(surface_, request_));
+    return *std::move(lattice_);
   }
 
   /// The first mesh made to fit that part of the tolerance; where its triangles cross, once more
@@ -134,8 +143,8 @@ class Adaptive {
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);
     log_.jets += remeshed.jets;
     if (result.mesh.empty()) return result;
-    const double back = provable_ ? bring_near(result.mesh, remeshed.on_surface)
-                                  : bring_near_both_ways(result.mesh);
+    const double back =
+        proven_ ? bring_near(result.mesh, remeshed.on_surface) : bring_near_both_ways(result.mesh);
     const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
     result.error = std::max(
         back, back < HUGE_VAL ? estimate.largest_distance(surface_, result.mesh) : HUGE_VAL);
@@ -197,6 +206,7 @@ class Adaptive {
       return HUGE_VAL;
     BothWaysOptions options;
     options.enough = kRefined * request_.tolerance;
+    options.small = request_.tolerance;
     options.max_triangles = request_.max_triangles;
     options.progress = request_.progress;
     if (!both_ways_) both_ways_.emplace(surface_, options);
@@ -209,7 +219,9 @@ class Adaptive {
   const ImplicitSurface& surface_;
   const MesherRequest& request_;
   AdaptiveStatistics& log_;
-  bool provable_ = false;
+  bool provable_ = false;                        ///< bounds are cheap
+  bool proven_ = false;                          ///< and hardly a leaf of the octree is open
+  std::optional<Result<MesherResult>> lattice_;  ///< what the lattice mesher makes, if tried
   std::optional<BothWays> both_ways_;
   double smallest_cell_ = 0.0;
 };

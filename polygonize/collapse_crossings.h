@@ -9,9 +9,10 @@ namespace cs2mesh {
 
 /// Of each pair of triangles that cross, in order, collapses or flips the edge that leaves the
 /// fewest crossings around: fewer than there are or, by a collapse, as many. There are no more
-/// triangles than before that are folded onto a neighbour. The mesh stays closed, oriented and 2-manifold, and its vertices where they are.
-/// Returns how many edges were changed; 0 in a build that cannot tell what crosses. O(n log n) for
-/// the mesh and some hundred tests of triangles a pair.
+/// triangles than before that are folded onto a neighbour. The mesh stays closed, oriented and
+/// 2-manifold, and its vertices where they are. Returns how many edges were changed; 0 in a build
+/// that cannot tell what crosses. O(n log n) for the mesh and some hundred tests of triangles a
+/// pair.
 ///
 /// Not promised: that nothing crosses afterwards, nor that the mesh is as near to the surface as it
 /// was.
