@@ -36,7 +36,7 @@ Json parts_of(const CompiledScene& compiled) {
                  {"soft", part.soft},
                  {"primitives", part.primitive_count},
                  {"thinnest_radius", part.thinnest_radius},
-                 {"bounded", box.finite()}};
+                 {"bounded", box.empty() || box.finite()}};
     if (box.finite()) json["bounds"] = {{"min", to_json(box.min)}, {"max", to_json(box.max)}};
     parts.push_back(std::move(json));
   }

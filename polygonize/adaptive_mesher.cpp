@@ -59,8 +59,11 @@ class Adaptive {
     // Slits far below the smallest cell: better looked for than sampled by chance.
     constexpr double kMuch = 0.005;
     const double open = static_cast<double>(log_.open_leaves);
-    if (provable_ && open > kMuch * (open + static_cast<double>(log_.simple_leaves))) {
-      return mesh_by_lattice(surface_, request_);
+    proven_ = provable_ && open <= kMuch * (open + static_cast<double>(log_.simple_leaves));
+    if (provable_ && !proven_) {
+      lattice_.emplace(mesh_by_lattice(surface_, request_));
+      if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
+      if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
     }
     MesherResult best;
     best.error = HUGE_VAL;
@@ -81,7 +84,16 @@ class Adaptive {
       if (*cut == 0 || attempt >= kMostCuts) ++aim;
       look_at(*tree);
     }
-    if (best.error > request_.tolerance) return by_lattice(std::move(best));
+    const double enough = (provable_ ? 1.0 : kAccept) * request_.tolerance;
+    if (best.error > enough) {
+      Result<MesherResult> other = by_lattice();
+      if (!other && !(best.error < HUGE_VAL)) return other;
+      if (other && other->error < best.error) return other;
+    }
+    if (best.error > request_.tolerance) {
+      const Diagnostic remark = tolerance_missed(request_.tolerance, best.error, smallest_cell_);
+      return {std::move(best), {remark}};
+    }
     best.cell = smallest_cell_;
     best.values = log_.octree.values + log_.jets;
     best.gradients = log_.octree.gradients + log_.jets;
@@ -110,32 +122,38 @@ class Adaptive {
                     Failure::limit);
   }
 
-  /// What the lattice mesher makes of it, if that is better.
-  Result<MesherResult> by_lattice(MesherResult best) const {
-    Result<MesherResult> other = mesh_by_lattice(surface_, request_);
-    if (other && other->error < best.error) return other;
-    if (!(best.error < HUGE_VAL)) return other;
-    const Diagnostic remark = tolerance_missed(request_.tolerance, best.error, smallest_cell_);
-    return {std::move(best), {remark}};
+  /// What the lattice mesher makes of it.
+  Result<MesherResult> by_lattice() {
+    if (!lattice_) lattice_.emplace(mesh_by_lattice(surface_, request_));
+    return *std::move(lattice_);
   }
 
-  /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
-  /// cross.
+  /// The first mesh made to fit that part of the tolerance; where its triangles cross, once more
+  /// with a look at that from the beginning. Its error is infinite where they cross for all that.
   MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, double aim) {
     RemeshOptions remeshing;
     remeshing.tolerance = aim * request_.tolerance;
     remeshing.progress = request_.progress;
+    MesherResult result = fit(tree, first, remeshing);
+    if (result.error < HUGE_VAL || result.mesh.empty() || cancelled(request_.progress)) {
+      return result;
+    }
+    remeshing.untangle = true;
+    return fit(tree, first, remeshing);
+  }
+
+  MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first,
+                   const RemeshOptions& remeshing) {
     RemeshStatistics remeshed;
     MesherResult result;
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);
     log_.jets += remeshed.jets;
     if (result.mesh.empty()) return result;
-    const double back = provable_ ? bring_near(result.mesh, remeshed.on_surface)
-                                  : bring_near_both_ways(result.mesh);
-    result.error = back;
-    if (!provable_ && back < HUGE_VAL) {
+    result.error = proven_ ? bring_near(result.mesh, remeshed.on_surface)
+                           : bring_near_both_ways(result.mesh);
+    if (!proven_ && result.error < HUGE_VAL) {
       const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
-      result.error = std::max(back, estimate.largest_distance(surface_, result.mesh));
+      result.error = std::max(result.error, estimate.largest_distance(surface_, result.mesh));
       log_.jets += result.mesh.triangles.size();
     }
     return result;
@@ -147,7 +165,6 @@ class Adaptive {
   double bring_near(TriangleMesh& mesh, std::span<const Vec3d> on_surface) {
     constexpr int kMostPasses = 6;
     RefineOptions refinement = refine_options();
-    std::vector<std::uint32_t> moved;
     bool whole = true;  // whether the pass looks at all triangles, not just at those that changed
     trouble_.clear();
     for (int pass = 0; pass < kMostPasses; ++pass) {
@@ -159,9 +176,8 @@ class Adaptive {
       put_down(lost, crossings.left);
       if (crossings.outcome == Crossings::left) return HUGE_VAL;
       if (crossings.outcome == Crossings::mended) {
-        moved = triangles_at(mesh, crossings.moved);
-        refinement.first_looked_at = &moved;
-        whole = false;
+        whole = true;
+        refinement.first_new = 0;
         continue;
       }
       const std::vector<LostPoint> missed = lost_points(mesh, on_surface);
@@ -171,7 +187,6 @@ class Adaptive {
       if (whole && near_enough && (lost.empty() || pass > 0)) {
         return std::max(largest_distance(lost), kRefined * request_.tolerance);
       }
-      refinement.first_looked_at = nullptr;
       refinement.first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
       whole = lost.empty() || insert_points(mesh, lost).empty();
       if (whole) refinement.first_new = 0;
@@ -197,21 +212,6 @@ class Adaptive {
   void put_down(std::span<const LostPoint> lost, std::span<const Vec3d> crossing) {
     for (const LostPoint& point : lost) trouble_.push_back(point.on_surface);
     trouble_.insert(trouble_.end(), crossing.begin(), crossing.end());
-  }
-
-  static std::vector<std::uint32_t> triangles_at(const TriangleMesh& mesh,
-                                                 const std::vector<TriangleMesh::Index>& vertices) {
-    const auto is_one = [&](TriangleMesh::Index v) {
-      return std::binary_search(vertices.begin(), vertices.end(), v);
-    };
-    std::vector<std::uint32_t> found;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      const auto& corner = mesh.triangles[t];
-      if (std::any_of(corner.begin(), corner.end(), is_one)) {
-        found.push_back(static_cast<std::uint32_t>(t));
-      }
-    }
-    return found;
   }
 
   /// The points that are too far from the mesh, the farthest first.
@@ -246,6 +246,7 @@ class Adaptive {
     if (cross()) return HUGE_VAL;
     BothWaysOptions options;
     options.enough = kRefined * request_.tolerance;
+    options.small = request_.tolerance;
     options.max_triangles = request_.max_triangles;
     options.progress = request_.progress;
     if (!both_ways_) both_ways_.emplace(surface_, options);
@@ -257,7 +258,9 @@ class Adaptive {
   const ImplicitSurface& surface_;
   const MesherRequest& request_;
   AdaptiveStatistics& log_;
-  bool provable_ = false;
+  bool provable_ = false;                        ///< bounds are cheap
+  bool proven_ = false;                          ///< and hardly a leaf of the octree is open
+  std::optional<Result<MesherResult>> lattice_;  ///< what the lattice mesher makes, if tried
   std::optional<BothWays> both_ways_;
   double smallest_cell_ = 0.0;
   std::vector<Vec3d> trouble_;  ///< points where the last attempt went wrong
@@ -277,7 +280,9 @@ Result<MesherResult> mesh_adaptive(const ImplicitSurface& surface, const MesherR
     return nothing;
   }
   // A profile that jumps makes walls and slots of any width, which the lattice mesher looks for.
-  if (!std::isfinite(surface.derivative_bound(1, surface.bounds()))) {
+  // Where bounds are cheap there are none, but deep inside F may overflow.
+  if (!surface.has_cheap_bounds() &&
+      !std::isfinite(surface.derivative_bound(1, surface.bounds()))) {
     return mesh_by_lattice(surface, request);
   }
   AdaptiveStatistics log;

@@ -66,6 +66,7 @@ BothWays::BothWays(const ImplicitSurface& surface, const BothWaysOptions& option
   probe_.enough = 0.8 * options.enough;
   probe_.progress = options.progress;
   refinement_.tolerance = options.enough;
+  refinement_.small = options.small;
   refinement_.max_triangles = options.max_triangles;
   refinement_.progress = options.progress;
 }

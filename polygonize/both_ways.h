@@ -14,7 +14,10 @@
 namespace cs2mesh {
 
 struct BothWaysOptions {
-  double enough = 0.0;                    ///< the distance, scene units, > 0
+  double enough = 0.0;  ///< the distance, scene units, > 0
+  /// Triangles smaller than this are looked at in more places, and if it is not 0 all are that lean
+  /// away from the surface, as across a crease; scene units.
+  double small = 0.0;
   std::size_t surface_samples = 100'000;  ///< of SurfaceWatch
   std::size_t max_triangles = 50'000'000;
   Progress* progress = nullptr;  ///< cancelled: what is done so far stays

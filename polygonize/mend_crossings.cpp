@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "polygonize/collapse_crossings.h"
 #include "polygonize/self_intersection.h"
 #include "polygonize/surface_projection.h"
 
@@ -51,33 +52,35 @@ std::vector<bool> crossing_corners(const TriangleMesh& mesh, const SelfIntersect
   return marked;
 }
 
+MendedCrossings left_crossing(const TriangleMesh& mesh, const SelfIntersections& found) {
+  MendedCrossings result{Crossings::left, {}};
+  for (const auto& pair : found.pairs) {
+    for (const auto t : pair) result.left.push_back(mesh.positions[mesh.triangles[t][0]]);
+  }
+  return result;
+}
+
 }  // namespace
 
 MendedCrossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
-  constexpr int kMostRounds = 6;
+  constexpr int kMostRounds = 8;
   constexpr std::size_t kMostPairs = 10'000;
-  MendedCrossings result;
-  std::vector<bool> moved(mesh.positions.size(), false);
   for (int round = 0;; ++round) {
     const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
-    if (!found || found->pairs.empty()) break;
-    if (round == kMostRounds || found->pairs.size() == kMostPairs) {
-      result.outcome = Crossings::left;
-      for (const auto& pair : found->pairs) {
-        for (const auto t : pair) result.left.push_back(mesh.positions[mesh.triangles[t][0]]);
-      }
-      break;
+    if (!found || found->pairs.empty()) {
+      return {round == 0 ? Crossings::none : Crossings::mended, {}};
     }
-    result.outcome = Crossings::mended;
+    if (round == kMostRounds || found->pairs.size() == kMostPairs) {
+      return left_crossing(mesh, *found);
+    }
+    EditableMesh editable(std::move(mesh));
+    const std::size_t collapsed = collapse_crossings(editable);
+    mesh = editable.take();
+    if (collapsed > 0) continue;
     std::vector<bool> marked = crossing_corners(mesh, *found);
-    for (int ring = 0; ring < round / 2; ++ring) marked = widened_by_ring(mesh, marked);
+    for (int ring = 0; ring < (round - 1) / 2; ++ring) marked = widened_by_ring(mesh, marked);
     smooth(surface, mesh, marked, reach);
-    for (std::size_t v = 0; v < marked.size(); ++v) moved[v] = moved[v] || marked[v];
   }
-  for (std::size_t v = 0; v < moved.size(); ++v) {
-    if (moved[v]) result.moved.push_back(static_cast<Index>(v));
-  }
-  return result;
 }
 
 }  // namespace cs2mesh

@@ -1,4 +1,4 @@
-// Triangles that cross others, taken apart by smoothing the mesh around them.
+// Triangles that cross others, taken apart.
 #pragma once
 
 #include <vector>
@@ -16,12 +16,12 @@ enum class Crossings {
 
 struct MendedCrossings {
   Crossings outcome = Crossings::none;
-  std::vector<TriangleMesh::Index> moved;  ///< vertices, in ascending order
-  std::vector<Vec3d> left;                 ///< a corner of each triangle that still crosses another
+  std::vector<Vec3d> left;  ///< a corner of each triangle that still crosses another
 };
 
-/// Moves the corners of triangles that cross others to the middle of their neighbours and back to
-/// the surface, a few times over, more of the neighbourhood each time. `reach` is how far from the
+/// Collapses or flips edges of triangles that cross others, a few times over; where that does not
+/// help, moves their corners to the middle of their neighbours and back to the surface, more of the
+/// neighbourhood each time. `reach` is how far from the
 /// surface vertices may come to be, scene units, > 0. Not promised: that triangles stay as near to
 /// the surface as they were.
 MendedCrossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach);

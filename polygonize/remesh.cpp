@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "libfield/base/check.h"
+#include "polygonize/collapse_crossings.h"
 #include "polygonize/editable_mesh.h"
 #include "polygonize/sagitta.h"
 #include "polygonize/triangle_sample.h"
@@ -46,6 +47,7 @@ class Remesher {
       if (last_step_[v] <= 0.01 * options_.tolerance) statistics.on_surface.push_back(position(v));
     }
     unfold();
+    untangle();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
       if (options_.progress != nullptr) {
         options_.progress->report("remesh", static_cast<double>(round) / options_.rounds);
@@ -61,6 +63,7 @@ class Remesher {
       flip_edges();
     }
     settle();
+    untangle();
     return mesh_.take();
   }
 
@@ -73,6 +76,13 @@ class Remesher {
     find_used();
     project(kMostSteps);
     unfold();
+  }
+
+  void untangle() {
+    constexpr int kMostRounds = 8;
+    for (int round = 0; options_.untangle && round < kMostRounds; ++round) {
+      if (collapse_crossings(mesh_) == 0) return;
+    }
   }
 
   /// Which vertices are those of a triangle.
@@ -153,11 +163,10 @@ class Remesher {
   /// Puts a vertex where the jet at `point` says that the surface is; returns the length of the
   /// way.
   double place(Index v, const Vec3d& point, const Jet& jet) {
-    const Vec3d& g = jet.gradient;
-    const double slope = squared_norm(g);
-    if (!(slope > 0)) return 0.0;
-    normals_[v] = -1.0 / std::sqrt(slope) * g;
-    const Vec3d step = bounded(leveled(jet.value) / slope * g, v);
+    const double slope = norm_of_any(jet.gradient);
+    if (!(slope > 0)) return kInfinity;
+    normals_[v] = -1.0 / slope * jet.gradient;
+    const Vec3d step = bounded(-leveled(jet.value) / slope * normals_[v], v);
     mesh_.move_vertex(v, point - step);
     return norm(step);
   }

@@ -21,6 +21,8 @@ namespace cs2mesh {
 struct RemeshOptions {
   double tolerance = 0.0;  ///< scene units, > 0
   int rounds = 3;          ///< of collapsing, flipping and moving
+  /// Whether to look for triangles that cross and take them apart, at first and last.
+  bool untangle = false;
   Progress* progress = nullptr;
 };
 

@@ -203,7 +203,6 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
     const Vec3d normal = normalized(child.jet.gradient);
     const Vec3d at = boxes[i].center();
     double turn = turn_between(normal, at, parent_normal, middle);
-    double agreement = 1.0;  // least cosine between its normal and theirs
     for (std::size_t j = 0; j < 8; ++j) {
       const Child& other = opened.children[j];
       if (j == i || other.kind == LeafKind::empty) continue;
@@ -219,8 +218,7 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
       if (grower.grows_along(boxes[i])) child.kind = LeafKind::simple;
       opened.counts.slopes += grower.slopes;
     }
-    // Without proof, a groove or a neck is where normals around are opposed.
-    const bool done = options.prove ? child.kind == LeafKind::simple : agreement > 0;
+    const bool done = !options.prove || child.kind == LeafKind::simple;
     child.cut = may_cut && !(small && done);
   }
 }

@@ -314,6 +314,9 @@ void project(const ImplicitSurface& surface, std::span<const Vec3d> points, doub
   project(surface, *surface.restrict_to(box), box, points, search_limit, out);
 }
 
+/// Of the smallest sphere that search_around() looks at and the largest.
+constexpr double kSearchSpan = 1.0 / 32;
+
 std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
                                         double farthest) {
   constexpr int kSpheres = 11;
@@ -322,7 +325,7 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
   const bool side = inside(near->value(p));
   std::vector<Vec3d> points;
   std::vector<double> values;
-  double radius = farthest / 32;
+  double radius = kSearchSpan * farthest;
   for (int sphere = 0; sphere < kSpheres; ++sphere, radius *= std::numbers::sqrt2) {
     points.clear();
     for (int i = 0; i < 27; ++i) {
@@ -348,8 +351,8 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
 
 namespace {
 
-/// A point of the surface near `p` by Newton's method along the gradient, if that converges within
-/// a few times `first`.
+/// A point of the surface near `p` by Newton's method along the gradient in the logarithm of the
+/// field, which is nearer to linear, if that converges within a few times `first`.
 std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p, double first) {
   constexpr int kMostSteps = 20;
   constexpr double kConverged = 1e-3;  // of the distance
@@ -359,9 +362,9 @@ std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
   Vec3d q = p;
   for (int i = 0; i < kMostSteps; ++i) {
     const Jet jet = near->jet(q);
-    const double slope = squared_norm(jet.gradient);
+    const double slope = norm_of_any(jet.gradient);
     if (!(slope > 0)) return std::nullopt;
-    const Vec3d step = (-leveled(jet.value) / slope) * jet.gradient;
+    const Vec3d step = (-leveled(jet.value) / slope) * (jet.gradient / slope);
     q += step;
     const double distance = norm(q - p);
     if (!(distance <= kFarthest * first) || !box.contains(q)) return std::nullopt;
@@ -373,13 +376,19 @@ std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
 }  // namespace
 
 Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order, double enough) {
-  Foot foot{p, first_order};
   const std::optional<Vec3d> straight = newton_foot(surface, p, first_order);
-  if (straight) foot = {*straight, norm(*straight - p)};
-  if (straight && foot.distance <= enough) return foot;
-  const std::optional<SignChange> nearer = search_around(surface, p, foot.distance);
-  if (nearer) foot = {nearer->far, nearer->distance};
-  return foot;
+  if (straight) {
+    const double distance = norm(*straight - p);
+    if (distance <= enough) return {*straight, distance};
+    const std::optional<SignChange> nearer = search_around(surface, p, distance);
+    return nearer ? Foot{nearer->far, nearer->distance} : Foot{*straight, distance};
+  }
+  // Value and gradient may say far too much, as where hardly any of the field is left.
+  for (const double share : {kSearchSpan * kSearchSpan, kSearchSpan, 1.0}) {
+    const std::optional<SignChange> found = search_around(surface, p, share * first_order);
+    if (found) return {found->far, found->distance};
+  }
+  return {p, first_order};
 }
 
 }  // namespace cs2mesh

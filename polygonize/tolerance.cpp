@@ -188,11 +188,11 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   require(options.most_attempts >= 1, "mesh_to_tolerance: at least one attempt");
   constexpr double kSmaller = 0.75;
   const double enough = kAim * tolerance;
-  const GradientEstimate gradient(kCloser * enough);
+  const GradientEstimate gradient(kCloser * enough, tolerance);
   const DistanceEstimate& estimate = options.estimate != nullptr ? *options.estimate : gradient;
 
-  BothWays both_ways(surface,
-                     {enough, options.surface_samples, options.max_triangles, options.progress});
+  BothWays both_ways(surface, {enough, tolerance, options.surface_samples, options.max_triangles,
+                               options.progress});
   ToleranceMesh best;
   std::vector<Diagnostic> remarks;
   const bool walls = creased && has_walls(surface, both_ways.on_surface());

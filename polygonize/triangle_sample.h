@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 #include "libfield/base/jet.h"
@@ -55,12 +56,18 @@ inline double leveled(double value) {
   return value > -1 ? (1 + value) * std::log1p(value) : value;
 }
 
+/// As norm(), also where the squares of the components overflow: deep inside of stiff fields.
+inline double norm_of_any(const Vec3d& a) {
+  const double length = norm(a);
+  return length <= std::numeric_limits<double>::max() ? length : std::hypot(a.x, a.y, a.z);
+}
+
 /// The distance to the surface as |F| and |grad F| tell it, or `otherwise` where the gradient does
 /// not; of the linear and the logarithmic estimate the greater.
 inline double first_order_distance(const Jet& jet, double otherwise) {
   if (jet.value == 0) return 0.0;
   const double rise = std::max(std::abs(jet.value), std::abs(leveled(jet.value)));
-  const double distance = rise / norm(jet.gradient);
+  const double distance = rise / norm_of_any(jet.gradient);
   return distance <= otherwise ? distance : otherwise;
 }
 

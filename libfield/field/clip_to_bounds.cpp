@@ -18,7 +18,8 @@ void append_faces(const Aabb& box, double slope,
 }
 
 Part clipped(Part part, const Aabb& box) {
-  if (box.contains(part.surface->bounds())) return part;
+  const Aabb own = part.surface->bounds();
+  if (own.empty() || box.contains(own)) return part;
   // Comparable slopes keep the two functions comparable where they meet: a field falls from about
   // T to 0 over its radius.
   const double radius = part.thinnest_radius > 0 ? part.thinnest_radius : box.diagonal();
@@ -34,9 +35,10 @@ Part clipped(Part part, const Aabb& box) {
 Result<CompiledScene> clip_to_bounds(CompiledScene compiled, const Scene& scene) {
   std::vector<Diagnostic> errors;
   for (Part& part : compiled.parts) {
+    const Aabb own = part.surface->bounds();
     if (scene.mesh.bounds) {
       part = clipped(std::move(part), *scene.mesh.bounds);
-    } else if (!part.surface->bounds().finite()) {
+    } else if (!own.empty() && !own.finite()) {
       errors.push_back(error_at(
           part.where,
           "the surface of '" + part.name + "' is unbounded, expected 'mesh bounds' to close it",

@@ -220,7 +220,9 @@ void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Inte
   with_log_terms(hull, [&](const LogTerms& terms) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
       const Interval log_range = LogSum(terms, boxes[i]).range();
-      const Interval range(std::exp(log_range.lo) * (1 - 1e-13),
+      // Where an exponent is cut off, F is no less than that.
+      const double least = std::min(log_range.lo, Gaussian::kGreatestExponent);
+      const Interval range(std::exp(least) * (1 - 1e-13),
                            std::exp(log_range.hi) * (1 + 1e-13) + terms.left_out());
       out[i] = widened(range - Interval(kThreshold), data_->error_budget);
     }

@@ -42,12 +42,15 @@ double farthest(const Aabb& box, const Aabb& other) {
 }  // namespace
 
 bool has_log_bounds(const Term& term) {
-  constexpr double kMostAmplitude = 500.0;  // sums stay far below the greatest exponent
+  // The exponent of a point is known however large; integrals must not overflow.
+  constexpr double kMostOfPoint = 1e5, kMostOfIntegral = 500.0;
   const auto* kernel = std::get_if<Gaussian>(&term.kernel);
-  return kernel != nullptr && kernel->log_amplitude < kMostAmplitude && term.sign > 0 &&
-         term.profiles.empty() && !term.to_local &&
-         (std::holds_alternative<Point>(term.primitive) ||
-          std::holds_alternative<Segment>(term.primitive) ||
+  if (kernel == nullptr || !(term.sign > 0) || !term.profiles.empty() || term.to_local) {
+    return false;
+  }
+  if (std::holds_alternative<Point>(term.primitive)) return kernel->log_amplitude < kMostOfPoint;
+  return kernel->log_amplitude < kMostOfIntegral &&
+         (std::holds_alternative<Segment>(term.primitive) ||
           std::holds_alternative<Triangle>(term.primitive));
 }
 

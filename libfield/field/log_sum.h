@@ -26,7 +26,7 @@
 namespace cs2mesh {
 
 /// Whether bounds of sums with this term can be had in the exponent: a Gaussian over a point, a
-/// segment or a triangle, added, not transformed and not weighted.
+/// segment or a triangle, added, not transformed and not weighted, and not too stiff.
 bool has_log_bounds(const Term& term);
 
 /// The terms that matter in a box, ready to be bounded in smaller ones.
@@ -59,7 +59,8 @@ class LogSum {
   /// others.
   LogSum(const LogTerms& terms, const BatchBox& box);
 
-  /// Contains log F over the box, rounding included. Some 3 ns a term.
+  /// Contains log F over the box, rounding included, of the sum whose exponents are not cut off.
+  /// Some 3 ns a term.
   Interval range();
   /// A lower bound, over the box, of the derivative of log F along a direction. Some 2 ns a term.
   double least_slope(const Vec3d& direction) const;

@@ -189,6 +189,14 @@ def negative():
     )
 
 
+def groove():
+    """Two stiff balls: the fillet of the groove between them is far narrower than the tolerance."""
+    return (
+        "surface s { kernel gaussian radius 1 blobbiness -1000 }\n"
+        "sphere s 1 <0 0 0>\nsphere s 1 <1.9 0 0>\n"
+    )
+
+
 def waves():
     """A singular kernel under a profile with kinks."""
     return (
@@ -230,6 +238,7 @@ CONTRACT = {
     # What random seeds found, made smaller.
     "ring": Scene([(1, 0, 1)], ring),
     "negative": Scene([(1, 0, 0)], negative),
+    "groove": Scene([(1, 0, 0)], groove),
     "waves": Scene([(1, 0, 0)], waves),
 }
 

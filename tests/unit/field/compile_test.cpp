@@ -156,6 +156,18 @@ TEST(Compile, UnboundedPartsNeedBounds) {
   EXPECT_NEAR(surface.value({1, 0, 0}), 0, 1e-15);
 }
 
+TEST(Compile, WhatOnlyCarvesIsEmptyNotUnbounded) {
+  Scene scene = one_element(ElementKind::sphere, Point{});
+  scene.materials[0].strength = -1;
+  const Result<CompiledScene> open = clip_to_bounds(*compile(scene), scene);
+  ASSERT_TRUE(open);
+  EXPECT_TRUE(open->parts[0].surface->bounds().empty());
+  scene.mesh.bounds = Aabb{{-1, -1, -1}, {1, 1, 1}};
+  const Result<CompiledScene> closed = clip_to_bounds(*compile(scene), scene);
+  ASSERT_TRUE(closed);
+  EXPECT_TRUE(closed->parts[0].surface->bounds().empty());
+}
+
 TEST(Compile, BlendLinesMakeGroups) {
   Scene scene = one_element(ElementKind::sphere, Point{});
   for (int i = 0; i < 3; ++i) {

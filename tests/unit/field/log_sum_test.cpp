@@ -147,6 +147,28 @@ TEST(LogSum, IsTheSameForEveryInstructionSetButForRounding) {
   use_isa(before);
 }
 
+TEST(Field, EnclosesPointsFarTooStiffForTheirExponentials) {
+  Random random(5, 1);
+  for (int round = 0; round < 100; ++round) {
+    std::vector<Term> terms;
+    for (int i = 0; i < 3; ++i) {
+      const double stiffness = random.uniform(400, 3000);  // exponents are cut off at 600
+      terms.push_back(random_term(random, KernelKind::gaussian, 0, 1.0));
+      terms.back().kernel = Gaussian{std::sqrt(stiffness), stiffness};
+    }
+    const Field field(terms, 1e-9);
+    ASSERT_TRUE(field.has_cheap_bounds());
+    const BatchBox box(random_box(random));
+    Interval range;
+    field.enclose_each({&box.box, 1}, {&range, 1});
+    for (int k = 0; k < 20; ++k) {
+      const double value = field.value(k < 8 ? box.box.corner(k) : random_in(random, box.box));
+      ASSERT_LE(range.lo, value);
+      ASSERT_GE(range.hi, value);
+    }
+  }
+}
+
 TEST(LogSum, IsTightForSmallBoxes) {
   Random random(2, 1);
   for (int round = 0; round < 200; ++round) {
