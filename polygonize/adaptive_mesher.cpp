@@ -149,8 +149,8 @@ class Adaptive {
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);
     log_.jets += remeshed.jets;
     if (result.mesh.empty()) return result;
-    result.error = proven_ ? bring_near(result.mesh, remeshed.on_surface)
-                           : bring_near_both_ways(result.mesh);
+    result.error =
+        proven_ ? bring_near(result.mesh, remeshed.on_surface) : bring_near_both_ways(result.mesh);
     if (!proven_ && result.error < HUGE_VAL) {
       const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
       result.error = std::max(result.error, estimate.largest_distance(surface_, result.mesh));
