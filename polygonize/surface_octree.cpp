@@ -18,8 +18,9 @@ namespace {
 /// Leaves that may hold surface are of this level at least, so that the centres of the outermost
 /// leaves are in the air around the bounds.
 constexpr int kLeastLevel = 4;
-/// Restrictions reach this far beyond their cell, in its sides.
-constexpr double kMargin = 0.25;
+/// Restrictions reach this far beyond their cell, in its sides: a hair more than to the centres of
+/// neighbours as large as its children, so that dual cells lie within.
+constexpr double kMargin = 0.25 * (1 + 1e-9);
 
 /// Not "lo <= 0 && 0 <= hi": an enclosure that is not a number clears nothing.
 bool may_hold_zero(const Interval& f) {

@@ -17,6 +17,7 @@ namespace cs2mesh {
 struct FieldData;
 struct BatchBox;
 enum class TaylorOrder;
+class LazyNearSum;
 
 /// values(), jets() and enclose() are those of F - T. A term is left out of a block of the field's
 /// own lattice where its influence provably stays under its share of the error budget; the shares
@@ -67,6 +68,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
                      std::span<Enclosure> out) const;
   void enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const;
   Interval enclose_in_parts(const Aabb& box, const Enclosure& whole) const;
+  void enclose_by_near_sum(std::span<const BatchBox> boxes, std::span<Interval> out) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
   double turn() const;
   bool knows_turn(const Aabb& box) const;
@@ -84,6 +86,8 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   /// And one of the size of all terms that are subtracted, set before it.
   mutable std::atomic<double> subtracted_{0.0};
   std::vector<std::uint32_t> candidates_;
+  /// What bounds over small boxes need of the restriction; null where they are not cheap.
+  std::shared_ptr<const LazyNearSum> near_sum_;
   /// All candidates reach every block of the restriction's box: its one list.
   bool uniform_ = false;
 };

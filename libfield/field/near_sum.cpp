@@ -1,0 +1,356 @@
+#include "libfield/field/near_sum.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "libfield/base/check.h"
+#include "libfield/field/log_bends.h"
+#include "libfield/field/pieces.h"
+#include "libfield/field/pull.h"
+#include "libfield/field/quadratic_range.h"
+#include "libfield/field/slope_program.h"
+
+namespace cs2mesh {
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+/// What a piece may leave open once it is far, in units of T, or of its own size at most.
+constexpr double kFarError = 1e-4, kFarShare = 0.05;
+/// Pieces are no larger than that part of their distance.
+constexpr double kPieceSize = 0.75;
+/// Values below this have no exponent.
+constexpr double kSmallest = 1e-200;
+/// The part of a finite support beyond which a kernel's logarithm bends too much.
+constexpr double kEdge = 0.97;
+
+double along(const Vec3d& g, const Vec3d& half) {
+  return std::abs(g.x) * half.x + std::abs(g.y) * half.y + std::abs(g.z) * half.z;
+}
+
+}  // namespace
+
+bool has_near_bounds(const Term& term) {
+  constexpr double kMostAmplitude = 500.0, kMostCondition = 1e4;
+  if (!term.profiles.empty() || std::holds_alternative<Plane>(term.primitive) ||
+      std::holds_alternative<TaperedSegment>(term.primitive)) {
+    return false;
+  }
+  if (const auto* gaussian = std::get_if<Gaussian>(&term.kernel)) {
+    if (!(gaussian->log_amplitude < kMostAmplitude)) return false;
+  }
+  const auto* triangle = std::get_if<Triangle>(&term.primitive);
+  return triangle == nullptr || condition_number(*triangle) < kMostCondition;
+}
+
+namespace {
+
+/// Bends of the logarithm of the integral over a piece at those distances. Of paths from element to
+/// element, those within the piece are near enough.
+template <class K, class P>
+LogBends piece_bends(const K& kernel, const P& primitive, double near, double far) {
+  LogBends bends = log_bends(kernel, near, far);
+  if constexpr (!std::is_same_v<P, Point>) {
+    const double way = std::is_same_v<P, Arc> ? measure(primitive) : size(primitive);
+    const double difference =
+        std::min(way * std::max(bends.most, std::abs(bends.least)), 2 * bends.steepest);
+    bends.least -= 0.25 * difference * difference * (1 + 1e-12);
+    if constexpr (kLogConcave<K> && !std::is_same_v<P, Arc>) bends.least = std::max(0.0, bends.least);
+  }
+  return bends;
+}
+
+}  // namespace
+
+/// A piece as seen from a box.
+struct NearSum::View {
+  enum class Kind { nothing, exponent, range } kind = Kind::nothing;
+  Exponent exponent;
+  Interval range{0.0};       ///< of the absolute value
+  double slope = -kInfinity; ///< where only ranges are known, of the absolute value
+  double rate = -kInfinity;  ///< lower bound of slope over value by the places of its elements
+};
+
+namespace {
+
+/// The exponent of |f| over the box, whose jet at the centre is given; false where it has none.
+template <class K, class P>
+bool find_exponent(const Term& term, const K& kernel, const P& primitive, const LocalBox& local,
+                   const Reach& r, const Jet& jet, Exponent& out) {
+  const double value = std::abs(jet.value);
+  if (!(value > kSmallest)) return false;
+  if constexpr (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>) {
+    if (!(r.near > kernel.clamp)) return false;
+  }
+  if (!(r.far < kEdge * kernel.support())) return false;
+  const LogBends bends = piece_bends(kernel, primitive, r.near, r.far);
+  out.phi = std::log(value);
+  out.gradient = jet.gradient / jet.value;
+  const double squared = local.stretch * local.stretch;
+  out.most = bends.most * squared;
+  out.least = term.to_local ? std::min(0.0, bends.least) * squared : bends.least;
+  out.rounding =
+      4 * kBackwardError * (condition_number(primitive) + bends.steepest * r.scale);
+  return true;
+}
+
+}  // namespace
+
+namespace {
+
+/// A view of a piece from a box; with a direction, of its slope along it, too.
+template <class View>
+View view_of(const Term& term, const BatchBox& box, const Jet& jet, const Vec3d* direction) {
+  const LocalBox local = local_box(term, box.box);
+  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+    View view;
+    const Reach r = reach(term, primitive, local);
+    if (r.near > kernel.support()) return view;
+    const Vec3d way = direction == nullptr ? Vec3d{}
+                      : term.to_local      ? term.to_local->linear * *direction
+                                           : *direction;
+    if (find_exponent(term, kernel, primitive, local, r, jet, view.exponent)) {
+      view.kind = View::Kind::exponent;
+    } else {
+      view.kind = View::Kind::range;
+      view.range = integral_range(kernel, primitive, r);
+    }
+    if (direction == nullptr) return view;
+    const Pull own = pull(term, kernel, primitive, local, way, r);
+    view.rate = own.rate;
+    if (view.kind == View::Kind::range) {
+      const double steepest = -norm(way) * near_bound(kernel, primitive, 1, r.near);
+      view.slope = std::max(steepest, own.slope);
+    }
+    return view;
+  });
+}
+
+}  // namespace
+
+// ---- Building ----
+
+/// Sorts terms for a box.
+struct NearSum::Builder {
+  NearSum& sum;
+
+  void sort(const Term& term) {
+    const BatchBox& box = sum.box_;
+    const LocalBox local = local_box(term, box.box);
+    enum class Place { nowhere, far, near, other, cut };
+    const Place place = visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+      const Reach r = reach(term, primitive, local);
+      if (r.near > kernel.support()) return Place::nowhere;
+      if (!has_near_bounds(term)) return Place::other;
+      if (is_far(kernel, primitive, local, r)) {
+        add_far(term, kernel, primitive, local, r);
+        return Place::far;
+      }
+      const double from = std::max(r.near + local.radius, 0.5 * kernel.length_scale());
+      const bool large = size(primitive) > kPieceSize * from;
+      return large && can_be_halved(term) && from > 0 ? Place::cut : Place::near;
+    });
+    if (place == Place::near) sum.near_.push_back(&term);
+    if (place == Place::other) sum.others_.push_back(&term);
+    if (place == Place::cut) cut(term);
+  }
+
+ private:
+  template <class K, class P>
+  static bool is_far(const K& kernel, const P& primitive, const LocalBox& local, const Reach& r) {
+    if (!(r.near > 2 * local.radius)) return false;
+    const double mass = mass_bound(primitive), radius = local.radius;
+    const double least = mass * kernel.profile(r.far * r.far);
+    const double second = 0.5 * mass * kernel.derivative_envelope(2, r.near) * radius * radius;
+    const double third = mass * kernel.derivative_envelope(3, r.near) * radius * radius * radius / 6;
+    return std::min(second, third) <= std::max(kFarError, kFarShare * least);
+  }
+
+  template <class K, class P>
+  void add_far(const Term& term, const K& kernel, const P& primitive, const LocalBox& local,
+               const Reach& r) {
+    const BatchBox& box = sum.box_;
+    std::array<Vec3d, 4> points = box.points();
+    std::array<Jet, 4> jets;
+    local_jets(term, kernel, primitive, points, jets);
+    const double turn = near_bound(kernel, primitive, 2, r.near);
+    const double third = near_bound(kernel, primitive, 3, r.near);
+    const double cubed = local.stretch * local.stretch * local.stretch;
+    const double error = gradient_error(condition_number(primitive), norm(jets[0].gradient), turn,
+                                        r.scale) * local.stretch;
+    for (Jet& jet : jets) jet.gradient = to_world_gradient(term, jet.gradient);
+    const double radius = box.radius, squared = local.stretch * local.stretch;
+    const double first_slope = turn * squared * radius;
+    const double second_slope = second_gradient_remainder(box, cubed * third, cubed * third, error);
+    Far& far = sum.far_;
+    far.center.value += term.sign * jets[0].value;
+    far.center.gradient += term.sign * jets[0].gradient;
+    const double rounding = kBackwardError * condition_number(primitive) * std::abs(jets[0].value) +
+                            error * r.scale;
+    if (second_slope < first_slope) {
+      far.center.hessian += term.sign * difference_quotient(jets, box);
+      far.value_error += second_remainder(box, cubed * third, cubed * third, error);
+      far.slope_error += second_slope;
+    } else {
+      far.value_error += 0.5 * turn * squared * radius * radius;
+      far.slope_error += first_slope;
+    }
+    far.value_error += rounding;
+    far.slope_error += error;
+  }
+
+  void cut(const Term& term) {
+    std::pair<Term, Term> parts = halves(term);
+    for (Term* part : {&parts.first, &parts.second}) {
+      sum.made_.push_back(std::make_unique<const Term>(std::move(*part)));
+      sort(*sum.made_.back());
+    }
+  }
+};
+
+NearSum::NearSum(std::span<const Term> terms, std::span<const std::uint32_t> list, const Aabb& box)
+    : box_(box) {
+  Builder builder{*this};
+  for (const std::uint32_t i : list) builder.sort(terms[i]);
+}
+
+NearSum::NearSum(std::shared_ptr<const NearSum> around, const Aabb& box)
+    : box_(box), around_(std::move(around)) {
+  require(around_->box_.box.contains(box), "NearSum: a box within another");
+  const Far& far = around_->far_;
+  const Vec3d offset = box_.center - around_->box_.center;
+  const Vec3d turned = far.center.hessian * offset;
+  far_ = far;
+  far_.center.value += dot(far.center.gradient, offset) + 0.5 * dot(turned, offset);
+  far_.center.gradient += turned;
+  Builder builder{*this};
+  for (const Term* term : around_->near_) builder.sort(*term);
+  for (const Term* term : around_->others_) builder.sort(*term);
+}
+
+NearSum::~NearSum() = default;
+
+const std::shared_ptr<const NearSum>& LazyNearSum::get() const {
+  std::call_once(once_, [this] {
+    sum_ = around_ ? std::make_shared<const NearSum>(around_->get(), box_)
+                   : std::make_shared<const NearSum>(terms_, list_, box_);
+  });
+  return sum_;
+}
+
+// ---- Bounds ----
+
+/// The near pieces as seen from a box: those that add and those that subtract.
+struct NearSum::Parts {
+  std::array<std::vector<Exponent>, 2> exponents;
+  std::array<std::vector<double>, 2> slopes;
+  Interval fixed{0.0};
+  double fixed_slope = 0.0;
+
+  void clear() {
+    for (auto& list : exponents) list.clear();
+    for (auto& list : slopes) list.clear();
+    fixed = Interval(0.0);
+    fixed_slope = 0.0;
+  }
+};
+
+namespace {
+
+Interval exponential(const Interval& log_range) {
+  return {std::exp(log_range.lo) * (1 - 1e-13), std::exp(log_range.hi) * (1 + 1e-13)};
+}
+
+}  // namespace
+
+void NearSum::enclose(std::span<const BatchBox> boxes, std::span<Interval> out) const {
+  std::vector<Vec3d> centers;
+  for (const BatchBox& box : boxes) centers.push_back(box.center);
+  std::vector<Parts> parts(boxes.size());
+  std::vector<Jet> jets(boxes.size());
+  for (const Term* term : near_) {
+    std::fill(jets.begin(), jets.end(), Jet{});
+    accumulate(*term, centers, std::span(jets));
+    const std::size_t side = term->sign > 0 ? 0 : 1;
+    for (std::size_t i = 0; i < boxes.size(); ++i) {
+      const View view = view_of<View>(*term, boxes[i], jets[i], nullptr);
+      if (view.kind == View::Kind::exponent) parts[i].exponents[side].push_back(view.exponent);
+      if (view.kind == View::Kind::range) {
+        parts[i].fixed = parts[i].fixed + Interval(term->sign) * view.range;
+      }
+    }
+  }
+  std::vector<SumBound> sums(boxes.size());
+  for (const Term* term : others_) {
+    add_bounds(*term, BoxBatch(boxes, TaylorOrder::second), kFarError, sums);
+  }
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const Vec3d offset = boxes[i].center - box_.center;
+    const Vec3d turned = far_.center.hessian * offset;
+    SumBound& rest = sums[i];
+    rest.center.value += far_.center.value + dot(far_.center.gradient, offset) +
+                         0.5 * dot(turned, offset);
+    rest.center.gradient += far_.center.gradient + turned;
+    rest.center.hessian += far_.center.hessian;
+    rest.remainder += far_.value_error;
+    out[i] = range_of(rest, others_.size() + 1, boxes[i]) + parts[i].fixed +
+             exponential(log_range(parts[i].exponents[0], boxes[i])) -
+             exponential(log_range(parts[i].exponents[1], boxes[i]));
+  }
+}
+
+double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double total,
+                            double error) const {
+  thread_local Parts parts;
+  parts.clear();
+  for (const Term* term : near_) {
+    Jet jet;
+    accumulate(*term, {&box.center, 1}, std::span(&jet, 1));
+    // Of what is subtracted, the greatest slope is wanted.
+    const Vec3d way = term->sign * direction;
+    const View view = view_of<View>(*term, box, jet, &way);
+    const std::size_t side = term->sign > 0 ? 0 : 1;
+    if (view.kind == View::Kind::exponent) {
+      parts.slopes[side].push_back(std::max(view.rate, view.exponent.least_slope(box, way)));
+      parts.exponents[side].push_back(view.exponent);
+    } else if (view.kind == View::Kind::range) {
+      parts.fixed = parts.fixed + Interval(term->sign) * view.range;
+      parts.fixed_slope += view.slope;
+    }
+  }
+  const Vec3d offset = box.center - box_.center;
+  const Vec3d turned = far_.center.hessian * offset;
+  const Vec3d gradient = far_.center.gradient + turned;
+  const double length = norm(direction);
+  const double far_slope = dot(gradient, direction) -
+                           along(far_.center.hessian * direction, box.half) -
+                           length * far_.slope_error - 1e-12 * length * norm(gradient);
+  const double value = far_.center.value + dot(far_.center.gradient, offset) +
+                       0.5 * dot(turned, offset);
+  SlopeProgram program;
+  program.add(widened(Interval(value) + quadratic_range(gradient, far_.center.hessian, box.half),
+                      far_.value_error + error),
+              far_slope);
+  program.add(parts.fixed, parts.fixed_slope);
+  for (const Term* term : others_) program.add(*term, box, direction);
+  if (!parts.exponents[1].empty()) {
+    // d . grad (-N) is at least the mean slope of N along -d, times N.
+    const Interval lost = exponential(log_range(parts.exponents[1], box));
+    const double rate = least_mean_slope(parts.exponents[1], parts.slopes[1], box);
+    program.add(-lost, rate * (rate > 0 ? lost.lo : lost.hi));
+  }
+  SlopeProgram one_by_one = program;
+  if (!parts.exponents[0].empty()) {
+    program.add_rate(exponential(log_range(parts.exponents[0], box)),
+                     least_mean_slope(parts.exponents[0], parts.slopes[0], box));
+  }
+  const double together = program.least(total);
+  if (together > 0) return together;
+  for (std::size_t i = 0; i < parts.exponents[0].size(); ++i) {
+    one_by_one.add_rate(exponential(parts.exponents[0][i].range(box)), parts.slopes[0][i]);
+  }
+  return std::max(together, one_by_one.least(total));
+}
+
+}  // namespace cs2mesh
