@@ -85,12 +85,11 @@ Interval log_range(std::span<const Exponent> terms, const BatchBox& box) {
     const double y = rise(term, squared);
     const double s = along(term.gradient - mean, box.half);
     excess += weights[i] * above_tangent(s + y, s);
-    each += weights[i] *
-            vmath::exp(highest(term.gradient, std::max(0.0, term.least), box.half) + y);
+    each +=
+        weights[i] * vmath::exp(highest(term.gradient, std::max(0.0, term.least), box.half) + y);
   }
   const double center = top + std::log(sum), spread = along(mean, box.half);
-  const double together =
-      center + highest(mean, concave, box.half) + std::log1p(excess / sum);
+  const double together = center + highest(mean, concave, box.half) + std::log1p(excess / sum);
   const double apart = top + std::log(each);
   const double most = together < apart ? together : apart;
   const double slack = rounding + kRounding * (std::abs(top) + std::abs(most - center) + spread);
@@ -110,9 +109,9 @@ double least_mean_slope(std::span<const Exponent> terms, std::span<const double>
     // The ratio to the first term, which is 1 for itself.
     double low = 1.0, high = 1.0;
     if (&term != &first) {
-      const double spread =
-          along(term.gradient - first.gradient, box.half) * (1 + kRounding) + term.rounding +
-          first.rounding + kRounding * (std::abs(term.phi) + std::abs(first.phi));
+      const double spread = along(term.gradient - first.gradient, box.half) * (1 + kRounding) +
+                            term.rounding + first.rounding +
+                            kRounding * (std::abs(term.phi) + std::abs(first.phi));
       const double up = std::max(0.0, 0.5 * (first.most - term.least) * squared);
       const double down = std::max(0.0, 0.5 * (term.most - first.least) * squared);
       low = vmath::exp(term.phi - first.phi - spread - down);

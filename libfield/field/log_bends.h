@@ -1,14 +1,16 @@
 // How much the logarithm of a kernel bends: bounds of the second derivative of psi(p) = log h(|p -
 // q|^2) over a range of distances r from the element q.
 //
-// With k = h' / h (by u = r^2), D^2 psi has the eigenvalues 2 k across the ray and 2 k + 4 u k' along
-// it, k' = h'' / h - k^2, and |grad psi| = 2 r |k|. By kernel, in between the places that are named:
+// With k = h' / h (by u = r^2), D^2 psi has the eigenvalues 2 k across the ray and 2 k + 4 u k'
+// along it, k' = h'' / h - k^2, and |grad psi| = 2 r |k|. By kernel, in between the places that are
+// named:
 //  - Cauchy, x = s^2 u: -4 s^2 / (1 + x) across, which grows, and -4 s^2 (1 - x) / (1 + x)^2 along,
 //    which has its top s^2 / 2 at x = 3; the slope 4 s sqrt(x) / (1 + x) has its top 2 s at x = 1.
 //  - Gaussian: -2 a^2 both; slope 2 a^2 r.
 //  - A / r^n: -n / r^2 across, n / r^2 along, slope n / r: beyond the clamp.
 //  - Soft, quartic: log of a product of concave functions of r: both fall, and the slope grows.
-//  - Metaball: as they do up to R / 3, where the eigenvalue along the ray jumps up; beyond, it falls
+//  - Metaball: as they do up to R / 3, where the eigenvalue along the ray jumps up; beyond, it
+//  falls
 //    again, the slope grows, and that across has its top at R / 2.
 #pragma once
 
@@ -22,13 +24,14 @@ namespace cs2mesh {
 
 /// Whether log h is concave.
 template <class K>
-inline constexpr bool kLogConcave = !std::is_same_v<K, Cauchy> && !std::is_same_v<K, Inverse> &&
-                                    !std::is_same_v<K, Squared>;
+inline constexpr bool kLogConcave =
+    !std::is_same_v<K, Cauchy> && !std::is_same_v<K, Inverse> && !std::is_same_v<K, Squared>;
 
 /// D^2 psi lies between minus `most` and minus `least`; |grad psi| <= steepest.
 struct LogBends {
   double most = 0.0, least = 0.0, steepest = 0.0;
 
+  /// At squared distance u, with k and k' there.
   void include(double u, double k, double turn) {
     const double across = -2 * k, along = across - 4 * u * turn;
     most = std::max({most, across, along});
@@ -42,6 +45,17 @@ struct LogBends {
 template <class K>
 LogBends log_bends(const K& kernel, double near, double far) {
   LogBends bends{0.0, std::numeric_limits<double>::infinity(), 0.0};
+  constexpr double kSlack = 1e-9;
+  if constexpr (std::is_same_v<K, Cauchy>) {
+    const double s2 = kernel.s * kernel.s, low = s2 * near * near, high = s2 * far * far;
+    const double top = std::clamp(3.0, low, high), steepest = std::clamp(1.0, low, high);
+    bends.most = 4 * s2 / (1 + low);
+    bends.least = 4 * s2 * (1 - top) / ((1 + top) * (1 + top));
+    bends.steepest = 4 * kernel.s * std::sqrt(steepest) / (1 + steepest) * (1 + kSlack);
+    bends.most *= 1 + kSlack;
+    bends.least -= kSlack * bends.most;
+    return bends;
+  }
   const auto at = [&](double r) {
     if constexpr (std::is_same_v<K, Gaussian>) {
       bends.include(r * r, -kernel.a * kernel.a, 0.0);
@@ -59,16 +73,12 @@ LogBends log_bends(const K& kernel, double near, double far) {
   };
   at(near);
   at(far);
-  if constexpr (std::is_same_v<K, Cauchy>) {
-    at_if_within(1 / kernel.s);
-    at_if_within(std::sqrt(3.0) / kernel.s);
-  } else if constexpr (std::is_same_v<K, Metaball>) {
+  if constexpr (std::is_same_v<K, Metaball>) {
     // Both sides of the jump.
     at_if_within(kernel.radius / 3 * (1 - 1e-12));
     at_if_within(kernel.radius / 3 * (1 + 1e-12));
     at_if_within(kernel.radius / 2);
   }
-  constexpr double kSlack = 1e-9;
   const double slack = kSlack * std::max(bends.most, std::abs(bends.least));
   return {bends.most + slack, bends.least - slack, bends.steepest * (1 + kSlack)};
 }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "libfield/base/check.h"
@@ -17,9 +18,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// What a piece may leave open once it is far, in units of T, or of its own size at most.
-constexpr double kFarError = 1e-4, kFarShare = 0.05;
+constexpr double kFarError = 2e-4, kFarShare = 0.05;
 /// Pieces are no larger than that part of their distance.
 constexpr double kPieceSize = 0.75;
+/// What a piece may leave open of its tangent over a box, in units of T, to be known by it.
+constexpr double kLinear = 2e-3;
 /// Values below this have no exponent.
 constexpr double kSmallest = 1e-200;
 /// The part of a finite support beyond which a kernel's logarithm bends too much.
@@ -56,7 +59,8 @@ LogBends piece_bends(const K& kernel, const P& primitive, double near, double fa
     const double difference =
         std::min(way * std::max(bends.most, std::abs(bends.least)), 2 * bends.steepest);
     bends.least -= 0.25 * difference * difference * (1 + 1e-12);
-    if constexpr (kLogConcave<K> && !std::is_same_v<P, Arc>) bends.least = std::max(0.0, bends.least);
+    if constexpr (kLogConcave<K> && !std::is_same_v<P, Arc>)
+      bends.least = std::max(0.0, bends.least);
   }
   return bends;
 }
@@ -65,11 +69,13 @@ LogBends piece_bends(const K& kernel, const P& primitive, double near, double fa
 
 /// A piece as seen from a box.
 struct NearSum::View {
-  enum class Kind { nothing, exponent, range } kind = Kind::nothing;
+  enum class Kind { nothing, linear, exponent, range } kind = Kind::nothing;
   Exponent exponent;
-  Interval range{0.0};       ///< of the absolute value
-  double slope = -kInfinity; ///< where only ranges are known, of the absolute value
-  double rate = -kInfinity;  ///< lower bound of slope over value by the places of its elements
+  Interval range{0.0};        ///< of the absolute value
+  double slope = -kInfinity;  ///< where only ranges are known, of the absolute value
+  double turn = 0.0;          ///< where it is linear: a bound of |D^2 f|
+  double error = 0.0;         ///< and of rounding
+  double rate = -kInfinity;   ///< lower bound of slope over value by the places of its elements
 };
 
 namespace {
@@ -90,8 +96,7 @@ bool find_exponent(const Term& term, const K& kernel, const P& primitive, const 
   const double squared = local.stretch * local.stretch;
   out.most = bends.most * squared;
   out.least = term.to_local ? std::min(0.0, bends.least) * squared : bends.least;
-  out.rounding =
-      4 * kBackwardError * (condition_number(primitive) + bends.steepest * r.scale);
+  out.rounding = 4 * kBackwardError * (condition_number(primitive) + bends.steepest * r.scale);
   return true;
 }
 
@@ -99,14 +104,66 @@ bool find_exponent(const Term& term, const K& kernel, const P& primitive, const 
 
 namespace {
 
-/// A view of a piece from a box; with a direction, of its slope along it, too.
+/// A box as terms without a transformation see it, computed once.
+struct Sight {
+  explicit Sight(const BatchBox& box_) : box(box_), plain(local_box(Term{}, box_.box)) {}
+  LocalBox local(const Term& term) const {
+    return term.to_local ? local_box(term, box.box) : plain;
+  }
+  const BatchBox& box;
+  LocalBox plain;
+};
+
+/// An upper bound of |D^2 f| over the box, cheaper than the tightest.
+template <class K, class P>
+double turn_bound(const K& kernel, const P& primitive, const LocalBox& local, const Reach& r) {
+  return mass_bound(primitive) * kernel.derivative_envelope(2, r.near) * local.stretch *
+         local.stretch * (1 + 1e-12);
+}
+
+/// What a term's tangent leaves open: a bound of |D^2 f|, and what rounding is relative to the
+/// value and the gradient.
+struct Linear {
+  double turn = 0.0, value_rounding = 0.0, slope_rounding = 0.0;
+};
+
+/// Whether over all the boxes of the hull, none with a greater radius, the term is linear enough.
+std::optional<Linear> linear_over(const Term& term, const Sight& hull, double radius) {
+  const LocalBox local = hull.local(term);
+  return visit_pair(term, [&](const auto& kernel, const auto& primitive) -> std::optional<Linear> {
+    const Reach r = reach(term, primitive, local);
+    if (r.near > kernel.support()) return Linear{};
+    const double turn = turn_bound(kernel, primitive, local, r);
+    if (!(turn * radius * std::max(radius, r.near) <= kLinear)) return std::nullopt;
+    const double rounding = kBackwardError * condition_number(primitive);
+    return Linear{turn, rounding, rounding * r.scale};
+  });
+}
+
 template <class View>
-View view_of(const Term& term, const BatchBox& box, const Jet& jet, const Vec3d* direction) {
-  const LocalBox local = local_box(term, box.box);
+View view_of_tangent(const Linear& linear, const Jet& jet) {
+  View view;
+  view.kind = View::Kind::linear;
+  view.turn = linear.turn;
+  view.error =
+      linear.value_rounding * std::abs(jet.value) + linear.slope_rounding * norm(jet.gradient);
+  return view;
+}
+
+/// A piece as seen from a box; with a direction, its slope along it, too.
+template <class View>
+View view_of(const Term& term, const Sight& sight, const Jet& jet, const Vec3d* direction) {
+  const LocalBox local = sight.local(term);
   return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
     View view;
     const Reach r = reach(term, primitive, local);
     if (r.near > kernel.support()) return view;
+    const double radius = sight.box.radius;
+    const double turn = turn_bound(kernel, primitive, local, r);
+    if (turn * radius * std::max(radius, r.near) <= kLinear) {
+      const double rounding = kBackwardError * condition_number(primitive);
+      return view_of_tangent<View>({turn, rounding, rounding * r.scale}, jet);
+    }
     const Vec3d way = direction == nullptr ? Vec3d{}
                       : term.to_local      ? term.to_local->linear * *direction
                                            : *direction;
@@ -163,8 +220,9 @@ struct NearSum::Builder {
     const double mass = mass_bound(primitive), radius = local.radius;
     const double least = mass * kernel.profile(r.far * r.far);
     const double second = 0.5 * mass * kernel.derivative_envelope(2, r.near) * radius * radius;
-    const double third = mass * kernel.derivative_envelope(3, r.near) * radius * radius * radius / 6;
-    return std::min(second, third) <= std::max(kFarError, kFarShare * least);
+    const double third =
+        mass * kernel.derivative_envelope(3, r.near) * radius * radius * radius / 6;
+    return std::min(second, third) <= (radius / r.near) * std::max(kFarError, kFarShare * least);
   }
 
   template <class K, class P>
@@ -177,8 +235,9 @@ struct NearSum::Builder {
     const double turn = near_bound(kernel, primitive, 2, r.near);
     const double third = near_bound(kernel, primitive, 3, r.near);
     const double cubed = local.stretch * local.stretch * local.stretch;
-    const double error = gradient_error(condition_number(primitive), norm(jets[0].gradient), turn,
-                                        r.scale) * local.stretch;
+    const double error =
+        gradient_error(condition_number(primitive), norm(jets[0].gradient), turn, r.scale) *
+        local.stretch;
     for (Jet& jet : jets) jet.gradient = to_world_gradient(term, jet.gradient);
     const double radius = box.radius, squared = local.stretch * local.stretch;
     const double first_slope = turn * squared * radius;
@@ -186,8 +245,8 @@ struct NearSum::Builder {
     Far& far = sum.far_;
     far.center.value += term.sign * jets[0].value;
     far.center.gradient += term.sign * jets[0].gradient;
-    const double rounding = kBackwardError * condition_number(primitive) * std::abs(jets[0].value) +
-                            error * r.scale;
+    const double rounding =
+        kBackwardError * condition_number(primitive) * std::abs(jets[0].value) + error * r.scale;
     if (second_slope < first_slope) {
       far.center.hessian += term.sign * difference_quotient(jets, box);
       far.value_error += second_remainder(box, cubed * third, cubed * third, error);
@@ -244,17 +303,49 @@ const std::shared_ptr<const NearSum>& LazyNearSum::get() const {
 /// The near pieces as seen from a box: those that add and those that subtract.
 struct NearSum::Parts {
   std::array<std::vector<Exponent>, 2> exponents;
-  std::array<std::vector<double>, 2> slopes;
+  std::array<std::vector<double>, 2> slopes;  ///< of these, lower bounds along a direction
+  /// What is known by its range and slope, and what by its tangent, its curvature and rounding.
   Interval fixed{0.0};
   double fixed_slope = 0.0;
+  Jet tangent;
+  double turn = 0.0, error = 0.0;
 
   void clear() {
     for (auto& list : exponents) list.clear();
     for (auto& list : slopes) list.clear();
     fixed = Interval(0.0);
-    fixed_slope = 0.0;
+    tangent = {};
+    fixed_slope = turn = error = 0.0;
+  }
+  void add(const Term& term, const View& view, const Jet& jet) {
+    if (view.kind == View::Kind::exponent)
+      exponents[term.sign > 0 ? 0 : 1].push_back(view.exponent);
+    if (view.kind == View::Kind::range) fixed = fixed + Interval(term.sign) * view.range;
+    if (view.kind != View::Kind::linear) return;
+    tangent.value += jet.value;
+    tangent.gradient += jet.gradient;
+    turn += view.turn;
+    error += view.error;
   }
 };
+
+/// The polynomial that is far about the centre of a box.
+Jet2 NearSum::far_about(const BatchBox& box) const {
+  const Vec3d offset = box.center - box_.center;
+  const Vec3d turned = far_.center.hessian * offset;
+  return {far_.center.value + dot(far_.center.gradient, offset) + 0.5 * dot(turned, offset),
+          far_.center.gradient + turned, far_.center.hessian};
+}
+
+/// Of the polynomial and all tangents.
+Interval NearSum::smooth_range(const Jet2& far, const Parts& parts, const BatchBox& box) const {
+  const double value = far.value + parts.tangent.value;
+  const double open = far_.value_error + 0.5 * parts.turn * box.radius * box.radius + parts.error +
+                      1e-13 * (std::abs(value) + norm(far.gradient) * box_.radius);
+  return widened(quadratic_range(far.gradient + parts.tangent.gradient, far.hessian, box.half) +
+                     Interval(value),
+                 open * (1 + 1e-12));
+}
 
 namespace {
 
@@ -265,38 +356,34 @@ Interval exponential(const Interval& log_range) {
 }  // namespace
 
 void NearSum::enclose(std::span<const BatchBox> boxes, std::span<Interval> out) const {
+  const BoxBatch batch(boxes, TaylorOrder::second);
   std::vector<Vec3d> centers;
-  for (const BatchBox& box : boxes) centers.push_back(box.center);
+  std::vector<Sight> sights;
+  for (const BatchBox& box : boxes) {
+    centers.push_back(box.center);
+    sights.emplace_back(box);
+  }
+  const BatchBox hull(batch.hull);
+  const Sight all(hull);
   std::vector<Parts> parts(boxes.size());
   std::vector<Jet> jets(boxes.size());
   for (const Term* term : near_) {
     std::fill(jets.begin(), jets.end(), Jet{});
     accumulate(*term, centers, std::span(jets));
-    const std::size_t side = term->sign > 0 ? 0 : 1;
+    const std::optional<Linear> linear = linear_over(*term, all, batch.radius);
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const View view = view_of<View>(*term, boxes[i], jets[i], nullptr);
-      if (view.kind == View::Kind::exponent) parts[i].exponents[side].push_back(view.exponent);
-      if (view.kind == View::Kind::range) {
-        parts[i].fixed = parts[i].fixed + Interval(term->sign) * view.range;
-      }
+      const View view = linear ? view_of_tangent<View>(*linear, jets[i])
+                               : view_of<View>(*term, sights[i], jets[i], nullptr);
+      parts[i].add(*term, view, jets[i]);
     }
   }
-  std::vector<SumBound> sums(boxes.size());
-  for (const Term* term : others_) {
-    add_bounds(*term, BoxBatch(boxes, TaylorOrder::second), kFarError, sums);
-  }
+  std::vector<SumBound> others(boxes.size());
+  for (const Term* term : others_) add_bounds(*term, batch, kFarError, others);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
-    const Vec3d offset = boxes[i].center - box_.center;
-    const Vec3d turned = far_.center.hessian * offset;
-    SumBound& rest = sums[i];
-    rest.center.value += far_.center.value + dot(far_.center.gradient, offset) +
-                         0.5 * dot(turned, offset);
-    rest.center.gradient += far_.center.gradient + turned;
-    rest.center.hessian += far_.center.hessian;
-    rest.remainder += far_.value_error;
-    out[i] = range_of(rest, others_.size() + 1, boxes[i]) + parts[i].fixed +
-             exponential(log_range(parts[i].exponents[0], boxes[i])) -
-             exponential(log_range(parts[i].exponents[1], boxes[i]));
+    const auto& [added, subtracted] = parts[i].exponents;
+    out[i] = smooth_range(far_about(boxes[i]), parts[i], boxes[i]) + parts[i].fixed +
+             exponential(log_range(added, boxes[i])) - exponential(log_range(subtracted, boxes[i]));
+    if (!others_.empty()) out[i] = out[i] + range_of(others[i], others_.size(), boxes[i]);
   }
 }
 
@@ -304,51 +391,46 @@ double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double 
                             double error) const {
   thread_local Parts parts;
   parts.clear();
+  const Sight sight(box);
   for (const Term* term : near_) {
     Jet jet;
     accumulate(*term, {&box.center, 1}, std::span(&jet, 1));
     // Of what is subtracted, the greatest slope is wanted.
     const Vec3d way = term->sign * direction;
-    const View view = view_of<View>(*term, box, jet, &way);
-    const std::size_t side = term->sign > 0 ? 0 : 1;
+    const View view = view_of<View>(*term, sight, jet, &way);
+    parts.add(*term, view, jet);
+    if (view.kind == View::Kind::range) parts.fixed_slope += view.slope;
     if (view.kind == View::Kind::exponent) {
-      parts.slopes[side].push_back(std::max(view.rate, view.exponent.least_slope(box, way)));
-      parts.exponents[side].push_back(view.exponent);
-    } else if (view.kind == View::Kind::range) {
-      parts.fixed = parts.fixed + Interval(term->sign) * view.range;
-      parts.fixed_slope += view.slope;
+      parts.slopes[term->sign > 0 ? 0 : 1].push_back(
+          std::max(view.rate, view.exponent.least_slope(box, way)));
     }
   }
-  const Vec3d offset = box.center - box_.center;
-  const Vec3d turned = far_.center.hessian * offset;
-  const Vec3d gradient = far_.center.gradient + turned;
+  const Jet2 far = far_about(box);
   const double length = norm(direction);
-  const double far_slope = dot(gradient, direction) -
-                           along(far_.center.hessian * direction, box.half) -
-                           length * far_.slope_error - 1e-12 * length * norm(gradient);
-  const double value = far_.center.value + dot(far_.center.gradient, offset) +
-                       0.5 * dot(turned, offset);
+  const Vec3d gradient = far.gradient + parts.tangent.gradient;
+  const double slope = dot(gradient, direction) - along(far.hessian * direction, box.half) -
+                       length * (far_.slope_error + parts.turn * box.radius) * (1 + 1e-12) -
+                       1e-12 * length * norm(gradient);
   SlopeProgram program;
-  program.add(widened(Interval(value) + quadratic_range(gradient, far_.center.hessian, box.half),
-                      far_.value_error + error),
-              far_slope);
+  program.add(widened(smooth_range(far, parts, box), error), slope);
   program.add(parts.fixed, parts.fixed_slope);
   for (const Term* term : others_) program.add(*term, box, direction);
-  if (!parts.exponents[1].empty()) {
+  const auto& [added, subtracted] = parts.exponents;
+  if (!subtracted.empty()) {
     // d . grad (-N) is at least the mean slope of N along -d, times N.
-    const Interval lost = exponential(log_range(parts.exponents[1], box));
-    const double rate = least_mean_slope(parts.exponents[1], parts.slopes[1], box);
+    const Interval lost = exponential(log_range(subtracted, box));
+    const double rate = least_mean_slope(subtracted, parts.slopes[1], box);
     program.add(-lost, rate * (rate > 0 ? lost.lo : lost.hi));
   }
   SlopeProgram one_by_one = program;
-  if (!parts.exponents[0].empty()) {
-    program.add_rate(exponential(log_range(parts.exponents[0], box)),
-                     least_mean_slope(parts.exponents[0], parts.slopes[0], box));
+  if (!added.empty()) {
+    program.add_rate(exponential(log_range(added, box)),
+                     least_mean_slope(added, parts.slopes[0], box));
   }
   const double together = program.least(total);
   if (together > 0) return together;
-  for (std::size_t i = 0; i < parts.exponents[0].size(); ++i) {
-    one_by_one.add_rate(exponential(parts.exponents[0][i].range(box)), parts.slopes[0][i]);
+  for (std::size_t i = 0; i < added.size(); ++i) {
+    one_by_one.add_rate(exponential(added[i].range(box)), parts.slopes[0][i]);
   }
   return std::max(together, one_by_one.least(total));
 }

@@ -40,30 +40,32 @@ class NearSum {
   NearSum& operator=(const NearSum&) = delete;
   ~NearSum();
 
-  /// Contain the sum over each of the boxes, which lie in its own. An evaluation and some 100 ns for
-  /// each near piece and box.
+  /// Contain the sum over each of the boxes, which lie in its own. An evaluation and some 100 ns
+  /// for each near piece and box.
   void enclose(std::span<const BatchBox> boxes, std::span<Interval> out) const;
   /// A lower bound of the sum's derivative along the direction wherever in the box the sum is
   /// `total`, give or take `error`; infinite if it is so nowhere.
-  double least_slope(const BatchBox& box, const Vec3d& direction, double total,
-                     double error) const;
+  double least_slope(const BatchBox& box, const Vec3d& direction, double total, double error) const;
 
  private:
   struct Builder;
   struct View;
   struct Parts;
 
-  /// What is far: within `value_error` of the polynomial about the box's centre, its gradient within
-  /// `slope_error` of the polynomial's.
+  /// What is far: within `value_error` of the polynomial about the box's centre, its gradient
+  /// within `slope_error` of the polynomial's.
   struct Far {
     Jet2 center;
     double value_error = 0.0, slope_error = 0.0;
   };
 
+  Jet2 far_about(const BatchBox& box) const;
+  Interval smooth_range(const Jet2& far, const Parts& parts, const BatchBox& box) const;
+
   BatchBox box_;
   Far far_;
-  std::vector<const Term*> near_;      ///< pieces with exponents
-  std::vector<const Term*> others_;    ///< known by their ranges, slopes and polynomials
+  std::vector<const Term*> near_;    ///< pieces with exponents
+  std::vector<const Term*> others_;  ///< known by their ranges, slopes and polynomials
   std::vector<std::unique_ptr<const Term>> made_;  ///< pieces that were cut for this box
   std::shared_ptr<const NearSum> around_;          ///< owns others
 };

@@ -1,7 +1,7 @@
-// Which way the elements of a primitive pull: of the integral, d . grad I(p) = int k(|p - s|^2) a ds,
-// with k = -2 dh/du and a = d . (s - p), how far along d the element s lies. Over a range of distances
-// k / h has bounds, so over a box d . grad I >= (least a) (least or greatest k / h) I: a rate times
-// the value.
+// Which way the elements of a primitive pull: of the integral, d . grad I(p) = int k(|p - s|^2) a
+// ds, with k = -2 dh/du and a = d . (s - p), how far along d the element s lies. Over a range of
+// distances k / h has bounds, so over a box d . grad I >= (least a) (least or greatest k / h) I: a
+// rate times the value.
 #pragma once
 
 #include <limits>
