@@ -90,19 +90,28 @@ struct Grower {
   Vec3d direction;
   std::size_t slopes = 0;
 
-  bool grows_in(const Aabb& box, int depth) {
+  bool grows_in(const Aabb& box) {
     ++slopes;
     if (surface.least_slope(box, direction) > 0) return true;
+    // Many questions about parts of the box: what is far from it may be settled once.
+    return grows_in_parts(*surface.restrict_to(box), box, kDepth);
+  }
+
+ private:
+  bool grows_in_parts(const ImplicitSurface& part, const Aabb& box, int depth) {
     std::array<Aabb, 8> octants;
     std::array<Interval, 8> ranges;
     for (int i = 0; i < 8; ++i) {
       const Vec3d center = box.center(), corner = box.corner(i);
       octants[static_cast<std::size_t>(i)] = {min(center, corner), max(center, corner)};
     }
-    surface.enclose_each(octants, ranges);
+    part.enclose_each(octants, ranges);
     for (std::size_t i = 0; i < 8; ++i) {
       if (!may_hold_zero(ranges[i])) continue;
-      if (depth == 0 || !grows_in(octants[i], depth - 1)) return false;
+      if (depth == 0) return false;
+      ++slopes;
+      if (part.least_slope(octants[i], direction) > 0) continue;
+      if (!grows_in_parts(part, octants[i], depth - 1)) return false;
     }
     return true;
   }
@@ -198,7 +207,7 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
                        fits(side, turn, options.tolerance);
     if (options.prove && (small || !may_cut)) {
       Grower grower{*opened.surface, normal};
-      if (grower.grows_in(boxes[i], kDepth)) child.kind = LeafKind::simple;
+      if (grower.grows_in(boxes[i])) child.kind = LeafKind::simple;
       opened.counts.slopes += grower.slopes;
     }
     // Without proof, a groove or a neck is where normals around are opposed.
@@ -305,7 +314,7 @@ bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
   const ImplicitSurface& surface =
       surface_box(largest).contains(box) ? surface_at(largest) : *surfaces_.front();
   Grower grower{surface, direction};
-  const bool grows = grower.grows_in(box, kDepth);
+  const bool grows = grower.grows_in(box);
   slopes += grower.slopes;
   return grows;
 }

@@ -22,7 +22,7 @@ constexpr double kFarError = 2e-4, kFarShare = 0.05;
 /// Pieces are no larger than that part of their distance.
 constexpr double kPieceSize = 0.75;
 /// What a piece may leave open of its tangent over a box, in units of T, to be known by it.
-constexpr double kLinear = 2e-3;
+constexpr double kLinear = 6e-3;
 /// Values below this have no exponent.
 constexpr double kSmallest = 1e-200;
 /// The part of a finite support beyond which a kernel's logarithm bends too much.
@@ -350,7 +350,7 @@ Interval NearSum::smooth_range(const Jet2& far, const Parts& parts, const BatchB
 namespace {
 
 Interval exponential(const Interval& log_range) {
-  return {std::exp(log_range.lo) * (1 - 1e-13), std::exp(log_range.hi) * (1 + 1e-13)};
+  return {vmath::exp(log_range.lo) * (1 - 1e-13), vmath::exp(log_range.hi) * (1 + 1e-13)};
 }
 
 }  // namespace
@@ -423,9 +423,9 @@ double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double 
     program.add(-lost, rate * (rate > 0 ? lost.lo : lost.hi));
   }
   SlopeProgram one_by_one = program;
+  // Together they are what is left of the total.
   if (!added.empty()) {
-    program.add_rate(exponential(log_range(added, box)),
-                     least_mean_slope(added, parts.slopes[0], box));
+    program.add_rate({0.0, kInfinity}, least_mean_slope(added, parts.slopes[0], box));
   }
   const double together = program.least(total);
   if (together > 0) return together;
