@@ -72,7 +72,7 @@ double SlopeProgram::least(double total) {
   double most_left = total - fixed_.lo;
   double sum = slope_;
   for (const Fillable& term : fillable_) {
-    sum += term.rate * term.value.lo;
+    if (term.value.lo > 0) sum += term.rate * term.value.lo;  // rates may be infinite
     least_left -= term.value.lo;
     most_left -= term.value.lo;
   }
@@ -86,7 +86,7 @@ double SlopeProgram::least(double total) {
     const double left = term.rate < 0 ? most_left : least_left;
     if (!(left > 0)) break;
     const double taken = std::min(term.value.width(), left);
-    sum += term.rate * taken;
+    if (taken > 0) sum += term.rate * taken;
     least_left -= taken;
     most_left -= taken;
   }

@@ -23,6 +23,8 @@ constexpr double kFarError = 2e-4, kFarShare = 0.05;
 constexpr double kPieceSize = 0.75;
 /// What a piece may leave open of its tangent over a box, in units of T, to be known by it.
 constexpr double kLinear = 6e-3;
+/// What terms that are bounded one by one may leave open, in units of T, without a closer look.
+constexpr double kNegligible = 1e-4;
 /// Values below this have no exponent.
 constexpr double kSmallest = 1e-200;
 /// The part of a finite support beyond which a kernel's logarithm bends too much.
@@ -69,13 +71,11 @@ LogBends piece_bends(const K& kernel, const P& primitive, double near, double fa
 
 /// A piece as seen from a box.
 struct NearSum::View {
-  enum class Kind { nothing, linear, exponent, range } kind = Kind::nothing;
+  enum class Kind { nothing, linear, exponent, other } kind = Kind::nothing;
   Exponent exponent;
-  Interval range{0.0};        ///< of the absolute value
-  double slope = -kInfinity;  ///< where only ranges are known, of the absolute value
-  double turn = 0.0;          ///< where it is linear: a bound of |D^2 f|
-  double error = 0.0;         ///< and of rounding
-  double rate = -kInfinity;   ///< lower bound of slope over value by the places of its elements
+  double turn = 0.0;         ///< where it is linear: a bound of |D^2 f|
+  double error = 0.0;        ///< and of rounding
+  double rate = -kInfinity;  ///< lower bound of slope over value by the places of its elements
 };
 
 namespace {
@@ -170,16 +170,12 @@ View view_of(const Term& term, const Sight& sight, const Jet& jet, const Vec3d* 
     if (find_exponent(term, kernel, primitive, local, r, jet, view.exponent)) {
       view.kind = View::Kind::exponent;
     } else {
-      view.kind = View::Kind::range;
-      view.range = integral_range(kernel, primitive, r);
+      view.kind = View::Kind::other;
+      return view;
     }
     if (direction == nullptr) return view;
     const Pull own = pull(term, kernel, primitive, local, way, r);
     view.rate = own.rate;
-    if (view.kind == View::Kind::range) {
-      const double steepest = -norm(way) * near_bound(kernel, primitive, 1, r.near);
-      view.slope = std::max(steepest, own.slope);
-    }
     return view;
   });
 }
@@ -304,23 +300,22 @@ const std::shared_ptr<const NearSum>& LazyNearSum::get() const {
 struct NearSum::Parts {
   std::array<std::vector<Exponent>, 2> exponents;
   std::array<std::vector<double>, 2> slopes;  ///< of these, lower bounds along a direction
-  /// What is known by its range and slope, and what by its tangent, its curvature and rounding.
-  Interval fixed{0.0};
-  double fixed_slope = 0.0;
+  /// What has no exponent here; what is known by its tangent, its curvature and rounding.
+  std::vector<const Term*> others;
   Jet tangent;
   double turn = 0.0, error = 0.0;
 
   void clear() {
     for (auto& list : exponents) list.clear();
     for (auto& list : slopes) list.clear();
-    fixed = Interval(0.0);
+    others.clear();
     tangent = {};
-    fixed_slope = turn = error = 0.0;
+    turn = error = 0.0;
   }
   void add(const Term& term, const View& view, const Jet& jet) {
     if (view.kind == View::Kind::exponent)
       exponents[term.sign > 0 ? 0 : 1].push_back(view.exponent);
-    if (view.kind == View::Kind::range) fixed = fixed + Interval(term.sign) * view.range;
+    if (view.kind == View::Kind::other) others.push_back(&term);
     if (view.kind != View::Kind::linear) return;
     tangent.value += jet.value;
     tangent.gradient += jet.gradient;
@@ -378,12 +373,15 @@ void NearSum::enclose(std::span<const BatchBox> boxes, std::span<Interval> out) 
     }
   }
   std::vector<SumBound> others(boxes.size());
-  for (const Term* term : others_) add_bounds(*term, batch, kFarError, others);
+  for (const Term* term : others_) add_bounds(*term, batch, kNegligible, others);
   for (std::size_t i = 0; i < boxes.size(); ++i) {
+    const BoxBatch one(boxes.subspan(i, 1), TaylorOrder::second);
+    for (const Term* term : parts[i].others) add_bounds(*term, one, kNegligible, {&others[i], 1});
     const auto& [added, subtracted] = parts[i].exponents;
-    out[i] = smooth_range(far_about(boxes[i]), parts[i], boxes[i]) + parts[i].fixed +
+    out[i] = smooth_range(far_about(boxes[i]), parts[i], boxes[i]) +
              exponential(log_range(added, boxes[i])) - exponential(log_range(subtracted, boxes[i]));
-    if (!others_.empty()) out[i] = out[i] + range_of(others[i], others_.size(), boxes[i]);
+    const std::size_t count = others_.size() + parts[i].others.size();
+    if (count > 0) out[i] = out[i] + range_of(others[i], count, boxes[i]);
   }
 }
 
@@ -399,7 +397,6 @@ double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double 
     const Vec3d way = term->sign * direction;
     const View view = view_of<View>(*term, sight, jet, &way);
     parts.add(*term, view, jet);
-    if (view.kind == View::Kind::range) parts.fixed_slope += view.slope;
     if (view.kind == View::Kind::exponent) {
       parts.slopes[term->sign > 0 ? 0 : 1].push_back(
           std::max(view.rate, view.exponent.least_slope(box, way)));
@@ -413,8 +410,8 @@ double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double 
                        1e-12 * length * norm(gradient);
   SlopeProgram program;
   program.add(widened(smooth_range(far, parts, box), error), slope);
-  program.add(parts.fixed, parts.fixed_slope);
   for (const Term* term : others_) program.add(*term, box, direction);
+  for (const Term* term : parts.others) program.add(*term, box, direction);
   const auto& [added, subtracted] = parts.exponents;
   if (!subtracted.empty()) {
     // d . grad (-N) is at least the mean slope of N along -d, times N.

@@ -55,7 +55,8 @@ int run(const char* path, double tolerance, bool prove) {
       if (!tree->octree().is_leaf(i) || tree->kind(i) != LeafKind::open) continue;
       const Vec3d c = tree->octree().center(i);
       std::fprintf(stderr, "%.5f %.5f %.5f  F %.6f g %.6f side %.6f\n", c.x, c.y, c.z,
-                   tree->jet(i).value, norm(tree->jet(i).gradient), tree->octree().side(tree->octree()[i].level));
+                   tree->jet(i).value, norm(tree->jet(i).gradient),
+                   tree->octree().side(tree->octree()[i].level));
     }
   }
   const SurfaceOctree::Counts& counts = tree->counts();
