@@ -200,8 +200,12 @@ Field::Field(std::vector<Term> terms, double error_budget) {
   data->positive = std::all_of(data->terms.begin(), data->terms.end(),
                                [](const Term& term) { return term.sign > 0; });
   data->in_exponents = std::all_of(data->terms.begin(), data->terms.end(), has_log_bounds);
-  data->near_sums = !data->in_exponents &&
-                    std::all_of(data->terms.begin(), data->terms.end(), has_near_bounds);
+  data->near_sums =
+      !data->in_exponents && std::all_of(data->terms.begin(), data->terms.end(), has_near_bounds);
+  constexpr std::size_t kFewTerms = 24;
+  data->cheap_near_sums = data->near_sums && (data->terms.size() <= kFewTerms ||
+                                              std::all_of(data->terms.begin(), data->terms.end(),
+                                                          has_cheap_near_bounds));
   collect_far_fields(*data);
   data_ = std::move(data);
 }

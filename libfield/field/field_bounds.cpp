@@ -284,11 +284,7 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
 }
 
 bool Field::has_cheap_bounds() const {
-  constexpr std::size_t kFewTerms = 24;
-  const auto is_plain = [](const Term& term) { return term.profiles.empty(); };
-  return data_->in_exponents || data_->near_sums ||
-         (data_->terms.size() <= kFewTerms &&
-          std::all_of(data_->terms.begin(), data_->terms.end(), is_plain));
+  return data_->in_exponents || data_->cheap_near_sums;
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {

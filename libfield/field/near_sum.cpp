@@ -49,6 +49,14 @@ bool has_near_bounds(const Term& term) {
   return triangle == nullptr || condition_number(*triangle) < kMostCondition;
 }
 
+bool has_cheap_near_bounds(const Term& term) {
+  const bool reaches_everywhere =
+      std::visit([](const auto& kernel) { return std::isinf(kernel.support()); }, term.kernel);
+  return has_near_bounds(term) &&
+         (std::holds_alternative<Point>(term.primitive) ||
+          (reaches_everywhere && !std::holds_alternative<Triangle>(term.primitive)));
+}
+
 namespace {
 
 /// Bends of the logarithm of the integral over a piece at those distances. Of paths from element to

@@ -29,6 +29,11 @@ namespace cs2mesh {
 /// segment, an arc or a triangle that is no sliver.
 bool has_near_bounds(const Term& term);
 
+/// Whether bounds of sums of many such terms are cheap, too: over a point, or a kernel that reaches
+/// everywhere over a segment or an arc. (Triangles are cut into too many pieces; near the edges of
+/// supports, pieces are bounded one by one.)
+bool has_cheap_near_bounds(const Term& term);
+
 /// Immutable.
 class NearSum {
  public:
