@@ -49,16 +49,6 @@ int run(const char* path, double tolerance, bool prove) {
   for (Octree::Index i = 0; i < tree->octree().size(); ++i) {
     if (tree->octree().is_leaf(i)) ++kinds[static_cast<std::size_t>(tree->kind(i))];
   }
-  if (std::getenv("E_OPEN")) {
-    Aabb all;
-    for (Octree::Index i = 0; i < tree->octree().size(); ++i) {
-      if (!tree->octree().is_leaf(i) || tree->kind(i) != LeafKind::open) continue;
-      const Vec3d c = tree->octree().center(i);
-      std::fprintf(stderr, "%.5f %.5f %.5f  F %.6f g %.6f side %.6f\n", c.x, c.y, c.z,
-                   tree->jet(i).value, norm(tree->jet(i).gradient),
-                   tree->octree().side(tree->octree()[i].level));
-    }
-  }
   const SurfaceOctree::Counts& counts = tree->counts();
   const OctreeMesh first = mesh_octree(*part.surface, *tree);
   CheckOptions checks;
