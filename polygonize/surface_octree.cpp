@@ -18,8 +18,9 @@ namespace {
 /// Leaves that may hold surface are of this level at least, so that the centres of the outermost
 /// leaves are in the air around the bounds.
 constexpr int kLeastLevel = 4;
-/// Restrictions reach this far beyond their cell, in its sides.
-constexpr double kMargin = 0.25;
+/// Restrictions reach this far beyond their cell, in its sides: a hair more than to the centres of
+/// neighbours as large as its children, so that dual cells lie within.
+constexpr double kMargin = 0.25 * (1 + 1e-9);
 
 /// Not "lo <= 0 && 0 <= hi": an enclosure that is not a number clears nothing.
 bool may_hold_zero(const Interval& f) {
@@ -91,34 +92,40 @@ struct Grower {
   std::size_t slopes = 0;
 
   /// Whether F grows so along `direction`.
-  bool grows_along(const Aabb& box) { return grows_along(box, kDepth); }
+  bool grows_along(const Aabb& box) {
+    ++slopes;
+    if (surface.least_slope(box, direction) > 0) return true;
+    return grows_in_parts(box);
+  }
   /// Whether F grows so along some direction; `direction` is its gradient somewhere in the box.
   bool grows_somehow(const Aabb& box) {
     ++slopes;
     const Rise rise = surface.rise(box, direction);
     if (rise.slope > 0) return true;
     direction = rise.direction;
-    return grows_in_parts(box, kDepth);
+    return grows_in_parts(box);
   }
 
  private:
-  bool grows_along(const Aabb& box, int depth) {
-    ++slopes;
-    if (surface.least_slope(box, direction) > 0) return true;
-    return grows_in_parts(box, depth);
+  /// Many questions about parts of the box: what is far from it may be settled once.
+  bool grows_in_parts(const Aabb& box) {
+    return grows_in_parts(*surface.restrict_to(box), box, kDepth);
   }
 
-  bool grows_in_parts(const Aabb& box, int depth) {
+  bool grows_in_parts(const ImplicitSurface& part, const Aabb& box, int depth) {
     std::array<Aabb, 8> octants;
     std::array<Interval, 8> ranges;
     for (int i = 0; i < 8; ++i) {
       const Vec3d center = box.center(), corner = box.corner(i);
       octants[static_cast<std::size_t>(i)] = {min(center, corner), max(center, corner)};
     }
-    surface.enclose_each(octants, ranges);
+    part.enclose_each(octants, ranges);
     for (std::size_t i = 0; i < 8; ++i) {
       if (!may_hold_zero(ranges[i])) continue;
-      if (depth == 0 || !grows_along(octants[i], depth - 1)) return false;
+      if (depth == 0) return false;
+      ++slopes;
+      if (part.least_slope(octants[i], direction) > 0) continue;
+      if (!grows_in_parts(part, octants[i], depth - 1)) return false;
     }
     return true;
   }

@@ -92,6 +92,16 @@ inline double separation(const Triangle& triangle, const Vec3d& p, const Vec3d& 
   const auto& v = triangle.vertex;
   return std::min({dot(p - v[0], direction), dot(p - v[1], direction), dot(p - v[2], direction)});
 }
+/// Of an arc likewise, in closed form.
+inline double separation(const Arc& arc, const Vec3d& p, const Vec3d& direction) {
+  const double x = dot(arc.ex, direction), y = dot(arc.ey, direction);
+  // How far its points lie along the direction at most: x cos t + y sin t from the centre.
+  const double half = 0.5 * arc.sweep;
+  const bool within = std::abs(std::atan2(y, x)) < half;
+  const double ahead =
+      within ? std::hypot(x, y) : x * std::cos(half) + std::abs(y) * std::sin(half);
+  return dot(p - arc.center, direction) - arc.radius * ahead;
+}
 inline double separation(const Plane& plane, const Vec3d& p, const Vec3d& direction) {
   return dot(p - plane.point, direction);
 }

@@ -11,6 +11,7 @@
 #include "libfield/field/far_field.h"
 #include "libfield/field/field_data.h"
 #include "libfield/field/log_sum.h"
+#include "libfield/field/near_sum.h"
 #include "libfield/field/term_bounds.h"
 #include "libfield/integral/bulk.h"
 
@@ -199,6 +200,12 @@ Field::Field(std::vector<Term> terms, double error_budget) {
   data->positive = std::all_of(data->terms.begin(), data->terms.end(),
                                [](const Term& term) { return term.sign > 0; });
   data->in_exponents = std::all_of(data->terms.begin(), data->terms.end(), has_log_bounds);
+  data->near_sums =
+      !data->in_exponents && std::all_of(data->terms.begin(), data->terms.end(), has_near_bounds);
+  constexpr std::size_t kFewTerms = 24;
+  data->cheap_near_sums = data->near_sums && (data->terms.size() <= kFewTerms ||
+                                              std::all_of(data->terms.begin(), data->terms.end(),
+                                                          has_cheap_near_bounds));
   collect_far_fields(*data);
   data_ = std::move(data);
 }
@@ -298,6 +305,17 @@ std::unique_ptr<ImplicitSurface> Field::restrict_to(const Aabb& box) const {
   }
   const Aabb blocks = lattice.snapped(box);
   near_terms(blocks, part->candidates_);
+  if (data_->near_sums) {
+    if (near_sum_ && near_sum_->box().contains(box)) {
+      part->near_sum_ = std::make_shared<const LazyNearSum>(near_sum_, box);
+    } else {
+      std::vector<std::uint32_t> list = part->candidates_;
+      for (std::size_t i = data_->plain_count; i < data_->terms.size(); ++i) {
+        list.push_back(static_cast<std::uint32_t>(i));
+      }
+      part->near_sum_ = std::make_shared<const LazyNearSum>(data_->terms, std::move(list), box);
+    }
+  }
   part->uniform_ =
       lattice.block(box.min) == lattice.block(box.max) ||
       std::all_of(part->candidates_.begin(), part->candidates_.end(),

@@ -20,6 +20,7 @@ struct BatchBox;
 class LogSum;
 class LogTerms;
 enum class TaylorOrder;
+class LazyNearSum;
 
 /// values(), jets() and enclose() are those of F - T. A term is left out of a block of the field's
 /// own lattice where its influence provably stays under its share of the error budget; the shares
@@ -76,6 +77,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   void enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const;
   double slope_in_exponents(const LogTerms& terms, const LogSum& sum, const Vec3d& direction) const;
   Interval enclose_in_parts(const Aabb& box, const Enclosure& whole) const;
+  void enclose_by_near_sum(std::span<const BatchBox> boxes, std::span<Interval> out) const;
   void near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const;
   double turn() const;
   bool knows_turn(const Aabb& box) const;
@@ -96,6 +98,8 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   mutable std::once_flag log_terms_once_;
   mutable std::unique_ptr<const LogTerms> log_terms_;
   std::vector<std::uint32_t> candidates_;
+  /// What bounds over small boxes need of the restriction; null where they are not cheap.
+  std::shared_ptr<const LazyNearSum> near_sum_;
   /// All candidates reach every block of the restriction's box: its one list.
   bool uniform_ = false;
 };

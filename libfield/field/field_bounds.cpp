@@ -6,6 +6,7 @@
 
 #include "libfield/field/field_data.h"
 #include "libfield/field/log_sum.h"
+#include "libfield/field/near_sum.h"
 #include "libfield/field/slope_program.h"
 #include "libfield/field/term_bounds.h"
 
@@ -168,8 +169,11 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   require(boxes.size() == out.size(), "one interval a box");
   std::vector<BatchBox> batch(boxes.begin(), boxes.end());
   if (data_->in_exponents) return enclose_in_exponents(batch, out);
-  std::vector<Enclosure> enclosures(boxes.size());
   const BoxBatch all(batch, TaylorOrder::first);
+  if (near_sum_ && !boxes.empty() && box_.contains(all.hull)) {
+    return enclose_by_near_sum(batch, out);
+  }
+  std::vector<Enclosure> enclosures(boxes.size());
   if (!boxes.empty() && knows_turn(all.hull)) {
     enclose_by_turn(batch, enclosures);
     // Only what the remainder decides deserves bounds of its own.
@@ -195,6 +199,11 @@ void Field::enclose_each(std::span<const Aabb> boxes, std::span<Interval> out) c
   for (std::size_t k = 0; k < open.size(); ++k) {
     out[place[k]] = intersection(out[place[k]], enclosures[k].range);
   }
+}
+
+void Field::enclose_by_near_sum(std::span<const BatchBox> boxes, std::span<Interval> out) const {
+  near_sum_->get()->enclose(boxes, out);
+  for (Interval& range : out) range = widened(range - Interval(kThreshold), data_->error_budget);
 }
 
 /// Those that bounds in the exponent over this box are to take into account.
@@ -294,6 +303,9 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
     });
     return least;
   }
+  if (near_sum_ && box_.contains(box)) {
+    return near_sum_->get()->least_slope(one, direction, kThreshold, data_->error_budget);
+  }
   if (knows_turn(box)) {
     const double least = least_slope_by_turn(one, direction);
     if (least > 0) return least;
@@ -317,10 +329,7 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
 }
 
 bool Field::has_cheap_bounds() const {
-  constexpr std::size_t kFewTerms = 24;
-  const auto is_plain = [](const Term& term) { return term.profiles.empty(); };
-  return data_->in_exponents || (data_->terms.size() <= kFewTerms &&
-                                 std::all_of(data_->terms.begin(), data_->terms.end(), is_plain));
+  return data_->in_exponents || data_->cheap_near_sums;
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {

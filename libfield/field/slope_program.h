@@ -20,6 +20,9 @@ class SlopeProgram {
     fixed_ = fixed_ + value;
     slope_ += slope;
   }
+  /// Adds a function by its range, which has no negative values, and a lower bound of its slope
+  /// over its value.
+  void add_rate(const Interval& value, double rate) { fillable_.push_back({value, rate}); }
   /// A lower bound of the slope where the sum is `total`; infinite if it is so nowhere.
   double least(double total);
 
