@@ -107,7 +107,7 @@ class Refiner {
   std::optional<LostPoint> far_point(std::size_t triangle, const Vec3d& p, double distance) const {
     constexpr double kNearly = 0.8;  // the nearest surface may be farther than the first order says
     if (!(distance > kNearly * options_.tolerance)) return std::nullopt;
-    const Foot foot = find_foot(surface_, p, std::min(distance, longest_way_));
+    const Foot foot = find_foot(surface_, p, std::min(distance, longest_way_), options_.tolerance);
     if (!(foot.distance > options_.tolerance)) return std::nullopt;
     return LostPoint{foot.point, p, foot.distance, static_cast<std::uint32_t>(triangle)};
   }

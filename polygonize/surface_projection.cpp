@@ -367,10 +367,11 @@ std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
 
 }  // namespace
 
-Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order) {
+Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order, double enough) {
   Foot foot{p, first_order};
   const std::optional<Vec3d> straight = newton_foot(surface, p, first_order);
   if (straight) foot = {*straight, norm(*straight - p)};
+  if (straight && foot.distance <= enough) return foot;
   const std::optional<SignChange> nearer = search_around(surface, p, foot.distance);
   if (nearer) foot = {nearer->far, nearer->distance};
   return foot;

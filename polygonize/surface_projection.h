@@ -45,12 +45,14 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
 
 /// A point of the surface near `p`, from which `first_order` is the distance to judge by value and
 /// gradient: Newton's method along the gradient may run past a wall that is nearer, so that and a
-/// search all around are tried. Its distance bounds that of the surface if either finds anything;
-/// if neither does, it is `p` itself with `first_order`.
+/// search all around are tried, that one only where the foot is farther than `enough`. Its distance
+/// bounds that of the surface if either finds anything; if neither does, it is `p` itself with
+/// `first_order`.
 struct Foot {
   Vec3d point;
   double distance = 0.0;
 };
-Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order);
+Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order,
+               double enough = 0.0);
 
 }  // namespace cs2mesh
