@@ -61,6 +61,7 @@ class Adaptive {
     if (provable_ && open > kMuch * (open + static_cast<double>(log_.simple_leaves))) {
       return mesh_by_lattice(surface_, request_);
     }
+    begin("first mesh");
     const OctreeMesh first = mesh_octree(surface_, *tree);
     log_.first_triangles = first.mesh.triangles.size();
     log_.jets += first.evaluations;
@@ -78,13 +79,15 @@ class Adaptive {
     }
     if (best.error > request_.tolerance) return by_lattice(std::move(best));
     best.cell = smallest_cell_;
-    best.values = log_.octree.values + log_.jets;
-    best.gradients = log_.octree.gradients + log_.jets;
     best.reached = true;
     return best;
   }
 
  private:
+  void begin(std::string_view stage) const {
+    if (request_.progress != nullptr) request_.progress->report(stage, 0.0);
+  }
+
   void look_at(const SurfaceOctree& tree) {
     log_.octree = tree.counts();
     const Octree& octree = tree.octree();
@@ -126,6 +129,7 @@ class Adaptive {
     if (result.mesh.empty()) return result;
     const double back = provable_ ? bring_near(result.mesh, remeshed.on_surface)
                                   : bring_near_both_ways(result.mesh);
+    begin("measure");
     const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
     result.error = std::max(
         back, back < HUGE_VAL ? estimate.largest_distance(surface_, result.mesh) : HUGE_VAL);
@@ -146,9 +150,11 @@ class Adaptive {
       RefineStatistics refined;
       mesh = refine(surface_, std::move(mesh), refinement, &refined);
       log_.jets += mesh.triangles.size();
+      begin("mend");
       const Crossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
       if (crossings == Crossings::left) return HUGE_VAL;
       if (crossings == Crossings::mended) continue;
+      begin("look back");
       std::vector<LostPoint> lost = lost_points(mesh, on_surface);
       lost.insert(lost.end(), refined.far.begin(), refined.far.end());
       if (lost.empty()) return 0.0;

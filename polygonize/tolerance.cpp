@@ -215,6 +215,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
     if (cancelled(options.progress)) {
       return error_at({}, "interrupted", Failure::interrupted);
     }
+    if (options.progress != nullptr) options.progress->report("measure", 0.0);
     const double error =
         std::max({back, statistics.off_surface, estimate.largest_distance(surface, *mesh)});
     const bool better = best.attempts.empty() || error < best.error;
@@ -244,8 +245,6 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
   result.error = made->error;
   result.cell = made->cell;
   result.reached = made->reached;
-  result.values = made->statistics.value_evaluations;
-  result.gradients = made->statistics.gradient_evaluations;
   result.mesh = std::move(made->mesh);
   return {std::move(result), made.diagnostics()};
 }
