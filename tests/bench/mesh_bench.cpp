@@ -1,10 +1,10 @@
 // Meshes scenes with each of our meshers and with the peers that are built in, each row in a
 // process of its own, and measures every mesh both ways against the exact surface.
 //
-//   mesh_bench [SCENE TOLERANCE [SAMPLES [METHOD]]]    one scene; with METHOD, that row alone
-//   mesh_bench --tables FOLDER [--all]                 the scenes of the contract's tables, from
-//   there mesh_bench --growth FOLDER [--all]                 time and memory against triangles,
-//   primitives
+//   mesh_bench [SCENE TOLERANCE [SAMPLES [METHOD]]]  one scene; with METHOD, that row alone
+//   mesh_bench --tables FOLDER [--all]               the contract's scenes, some from FOLDER
+//   mesh_bench --by-triangles FOLDER [--all]         time and memory against triangles
+//   mesh_bench --by-primitives [--all]               and against primitives
 //
 // Without arguments: the spindle cowrie at 0.1 % of its diagonal. Meshing has one thread unless a
 // table says so, and a minute (--all: ten). FOLDER holds flake3.art, flake4.art and magra70000.art.
@@ -90,7 +90,7 @@ int print_tables(const std::string& folder, bool all) {
   return status;
 }
 
-int print_growth(const std::string& folder, bool all) {
+GrowthRequest growth(bool all) {
   GrowthRequest request;
   request.method = &mesh_methods().front();
   if (all) {
@@ -98,20 +98,24 @@ int print_growth(const std::string& folder, bool all) {
     request.most_primitives = 1e5;
     request.most_seconds = 1200;
   }
-  print_growth_by_triangles(ball(), request);
-  print_growth_by_triangles({"flake3", folder + "/flake3.art", ""}, request);
-  print_growth_by_primitives(request);
-  return 0;
+  return request;
 }
 
-int run(const std::vector<std::string>& words) {
+int run(std::vector<std::string> words) {
+  const bool all = !words.empty() && words.back() == "--all";
+  if (all) words.pop_back();
   if (words.empty()) return print_one((kScenes + "cowrie.art").c_str(), -1e-3, 100'000, {});
-  if (words[0] == "--tables" || words[0] == "--growth") {
-    if (words.size() == 2 || (words.size() == 3 && words[2] == "--all")) {
-      const bool all = words.size() == 3;
-      return words[0] == "--tables" ? print_tables(words[1], all) : print_growth(words[1], all);
-    }
-  } else if (words.size() >= 2 && words.size() <= 4) {
+  if (words[0] == "--tables" && words.size() == 2) return print_tables(words[1], all);
+  if (words[0] == "--by-triangles" && words.size() == 2) {
+    print_growth_by_triangles(ball(), growth(all));
+    print_growth_by_triangles({"flake3", words[1] + "/flake3.art", ""}, growth(all));
+    return 0;
+  }
+  if (words[0] == "--by-primitives" && words.size() == 1) {
+    print_growth_by_primitives(growth(all));
+    return 0;
+  }
+  if (!all && words.size() >= 2 && words.size() <= 4) {
     const double tolerance = std::strtod(words[1].c_str(), nullptr);
     const std::size_t samples =
         words.size() > 2 ? std::strtoull(words[2].c_str(), nullptr, 10) : 100'000;
@@ -122,7 +126,8 @@ int run(const std::vector<std::string>& words) {
   std::fprintf(stderr,
                "usage: mesh_bench [SCENE TOLERANCE [SAMPLES [METHOD]]]\n"
                "       mesh_bench --tables FOLDER [--all]\n"
-               "       mesh_bench --growth FOLDER [--all]\n");
+               "       mesh_bench --by-triangles FOLDER [--all]\n"
+               "       mesh_bench --by-primitives [--all]\n");
   return 2;
 }
 

@@ -113,7 +113,8 @@ void print_growth_by_triangles(const Subject& subject, const GrowthRequest& requ
   options.most_seconds = request.most_seconds;
   Ladder ladder;
   double tolerance = 4e-3 * facts.diagonal, triangles = 0;
-  for (; triangles < request.most_triangles; tolerance /= 4) {
+  constexpr double kNextStep = 2.5;  // of the four times as many that there will be
+  for (; kNextStep * triangles < request.most_triangles; tolerance /= 4) {
     options.threads = 1;
     const Trial one = run_trial(subject, *request.method, tolerance, options);
     std::printf("%10.3e", tolerance);
