@@ -9,8 +9,8 @@ struct GrowthRequest {
   const MeshMethod* method = nullptr;
   double most_triangles = 1e6;   ///< the ladder of tolerances ends about there
   double most_primitives = 1e4;  ///< and that of primitives there
-  double most_seconds =
-      120.0;  ///< of meshing, for each run; a ladder ends where a run takes longer
+  /// Of meshing, for each run; a ladder ends where a run takes longer.
+  double most_seconds = 60.0;
 };
 
 /// A scene at finer and finer tolerances, with one thread and with two; time as a power of
