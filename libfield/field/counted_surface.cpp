@@ -1,5 +1,7 @@
 #include "libfield/field/counted_surface.h"
 
+#include <algorithm>
+
 #include "libfield/base/check.h"
 
 namespace cs2mesh {
@@ -38,11 +40,20 @@ Evaluations operator-(Evaluations a, const Evaluations& b) {
 }
 
 void EvaluationCounter::add(const Evaluations& more) {
-  auto& counts = places_[thread_number() % places_.size()].counts;
+  const std::size_t number = thread_number();
+  auto& counts = places_[std::min(number, kPlaces - 1)].counts;
+  const bool own = number < kPlaces - 1;
   const std::array<std::uint64_t, 4> added{more.values, more.gradients, more.hessians,
                                            more.enclosures};
   for (std::size_t i = 0; i < added.size(); ++i) {
-    if (added[i] != 0) counts[i].fetch_add(added[i], std::memory_order_relaxed);
+    if (added[i] == 0) continue;
+    // Nobody else writes to a thread's own place, so that it need not be locked to add.
+    if (own) {
+      counts[i].store(counts[i].load(std::memory_order_relaxed) + added[i],
+                      std::memory_order_relaxed);
+    } else {
+      counts[i].fetch_add(added[i], std::memory_order_relaxed);
+    }
   }
 }
 

@@ -22,8 +22,8 @@ struct Evaluations {
   friend bool operator==(const Evaluations&, const Evaluations&) = default;
 };
 
-/// Adds up evaluations from any number of threads at once; each adds to a place of its own, so that
-/// they do not wait for each other.
+/// Adds up evaluations from any number of threads at once; each of the first 255 of the process
+/// adds to a place of its own, so that they do not wait for each other.
 class EvaluationCounter {
  public:
   void add(const Evaluations& more);
@@ -34,12 +34,13 @@ class EvaluationCounter {
   struct alignas(64) Place {
     std::array<std::atomic<std::uint64_t>, 4> counts{};
   };
-  std::array<Place, 16> places_;
+  static constexpr std::size_t kPlaces = 256;  ///< the last is shared
+  std::array<Place, kPlaces> places_;
 };
 
 /// The surface itself, to the bit, with each question counted, also those that its restrictions are
-/// asked. What a surface asks of itself to answer one is not. Costs a few nanoseconds a question,
-/// which may be for many points at once.
+/// asked. What a surface asks of itself to answer one is not. Costs nanoseconds a question, which
+/// may be for many points at once.
 class CountedSurface final : public ImplicitSurface {
  public:
   /// `counter` outlives this and all restrictions; neither is null (else ContractViolation).
