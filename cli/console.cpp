@@ -6,6 +6,7 @@
 #include <iostream>
 
 #include "cli/interrupt.h"
+#include "libfield/base/peak_memory.h"
 
 namespace cs2mesh {
 namespace {
@@ -37,11 +38,16 @@ std::string decorated(const Diagnostic& diagnostic) {
 }  // namespace
 
 Console::Console(const CommonOptions& options)
-    : options_(options), progress_(progress_mode(options)) {
+    : options_(options),
+      progress_(progress_mode(options)),
+      stages_(&counter_, &progress_),
+      limits_(options.most, stages_) {
   if (options_.threads > 0) {
     thread_limit_ = std::make_unique<tbb::global_control>(
         tbb::global_control::max_allowed_parallelism, options_.threads);
   }
+  // For what is asked for between two looks at what is in use.
+  if (options_.most.bytes > 0) refuse_memory_beyond(options_.most.bytes, threads());
 }
 
 int Console::threads() const {
@@ -73,8 +79,14 @@ void Console::fail(Failure failure, const std::string& message, SourceLocation w
   throw Exit{exit_status(failure)};
 }
 
+void Console::fail_for_memory() {
+  fail(Failure::limit, limits_.out_of_memory() + "; nothing was written");
+}
+
 void Console::stop_if_interrupted() {
   if (interrupted()) fail(Failure::interrupted, "interrupted; nothing was written");
+  const std::string reached = limits_.reached();
+  if (!reached.empty()) fail(Failure::limit, reached + "; nothing was written");
 }
 
 }  // namespace cs2mesh

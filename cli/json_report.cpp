@@ -20,6 +20,7 @@ void Stopwatch::start(const std::string& stage) {
   stop();
   stage_ = stage;
   stage_begin_ = Clock::now();
+  if (progress_ != nullptr) progress_->report(stage, 0.0);
 }
 
 void Stopwatch::stop() {
@@ -42,6 +43,13 @@ Json Stopwatch::seconds() const {
   for (const auto& [stage, seconds] : spent_) json[stage] = seconds;
   json["total"] = in_seconds(Clock::now() - begin_);
   return json;
+}
+
+Json to_json(const Evaluations& count) {
+  return {{"value", count.values},
+          {"gradient", count.gradients},
+          {"hessian", count.hessians},
+          {"enclosure", count.enclosures}};
 }
 
 void add_run(Json& report, const Stopwatch& watch, const Console& console) {

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "cli/console.h"
+#include "libfield/field/counted_surface.h"
 
 namespace cs2mesh {
 
@@ -17,6 +18,9 @@ using Json = nlohmann::ordered_json;
 /// Wall-clock time by stage.
 class Stopwatch {
  public:
+  /// Stages are reported to `progress`, if there is one, as they start.
+  explicit Stopwatch(Progress* progress = nullptr) : progress_(progress) {}
+
   /// Ends the stage before and starts this one; a stage named again goes on adding up.
   void start(const std::string& stage);
   void stop();
@@ -27,11 +31,15 @@ class Stopwatch {
 
  private:
   using Clock = std::chrono::steady_clock;
+  Progress* progress_;
   Clock::time_point begin_ = Clock::now();
   Clock::time_point stage_begin_ = begin_;
   std::string stage_;
   std::vector<std::pair<std::string, double>> spent_;
 };
+
+/// {"value": ..., "gradient": ..., "hessian": ..., "enclosure": ...}
+Json to_json(const Evaluations& count);
 
 /// Adds what every report ends with: seconds, peak_memory_bytes, threads, version.
 void add_run(Json& report, const Stopwatch& watch, const Console& console);

@@ -18,12 +18,9 @@ TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console
   LatticeOptions options;
   options.cell = cell;
   options.progress = &console.progress();
-  LatticeStatistics statistics;
-  TriangleMesh mesh = console.take(mesh_lattice(*part.surface, options, &statistics));
+  TriangleMesh mesh = console.take(mesh_lattice(*part.surface, options));
   log.cell = cell;
   log.error = GradientEstimate().largest_distance(*part.surface, mesh);
-  log.values = statistics.value_evaluations;
-  log.gradients = statistics.gradient_evaluations;
   return mesh;
 }
 
@@ -45,8 +42,6 @@ TriangleMesh mesh_within_tolerance(const Part& part, const Mesher& mesher, doubl
   }
   log.cell = result.cell;
   log.error = result.error;
-  log.values = result.values;
-  log.gradients = result.gradients;
   return std::move(result.mesh);
 }
 

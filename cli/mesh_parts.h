@@ -25,7 +25,6 @@ struct PartLog {
   std::string name;
   double cell = 0.0;
   double error = 0.0;  ///< estimated on the mesh
-  std::size_t values = 0, gradients = 0;
 };
 
 struct MeshedScene {

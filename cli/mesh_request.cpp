@@ -91,6 +91,7 @@ MeshRequest parse_mesh_request(const Words& arguments) {
       ->type_name("OUT...");
   add_quality_options(app, request);
   add_output_options(app, request);
+  add_limit_options(app, request.common);
   add_json_option(app, request.common);
   add_common_options(app, request.common);
   parse(app, arguments);

@@ -1,6 +1,7 @@
 #include "cli/options.h"
 
 #include <array>
+#include <cctype>
 #include <charconv>
 #include <cmath>
 #include <iostream>
@@ -68,6 +69,26 @@ void add_json_option(CLI::App& app, CommonOptions& options) {
   app.add_flag("--json", options.json, "print one JSON object on stdout");
 }
 
+void add_limit_options(CLI::App& app, CommonOptions& options) {
+  app.add_option("--time-limit", options.most.seconds,
+                 "give up after S seconds, with status 6 (default: none)")
+      ->check(CLI::PositiveNumber)
+      ->type_name("S");
+  app.add_option_function<std::string>(
+         "--max-memory",
+         [&options](const std::string& text) {
+           const std::optional<std::uint64_t> bytes = parse_bytes(text);
+           if (!bytes) {
+             throw CLI::ValidationError(
+                 "--max-memory",
+                 "expected bytes such as 1000000000, 800M or 1.5G, found '" + text + "'");
+           }
+           options.most.bytes = *bytes;
+         },
+         "give up, with status 6, rather than hold more memory than this (default: no limit)")
+      ->type_name("BYTES");
+}
+
 void add_scene_options(CLI::App& app, SceneOptions& options) {
   app.add_option("scene", options.path, "the scene, a file in .art")
       ->required()
@@ -100,6 +121,25 @@ std::optional<Length> parse_length(const std::string& text) {
   const std::optional<double> value = parse_number(number);
   if (!value || *value <= 0) return std::nullopt;
   return Length{relative ? *value / 100.0 : *value, relative};
+}
+
+std::optional<std::uint64_t> parse_bytes(const std::string& text) {
+  constexpr std::string_view kSuffixes = "KMGT";
+  std::string_view number = text;
+  int power = 0;
+  if (!number.empty()) {
+    const char last = static_cast<char>(std::toupper(static_cast<unsigned char>(number.back())));
+    const std::size_t suffix = kSuffixes.find(last);
+    if (suffix != std::string_view::npos) {
+      power = 10 * (static_cast<int>(suffix) + 1);
+      number.remove_suffix(1);
+    }
+  }
+  const std::optional<double> value = parse_number(number);
+  if (!value) return std::nullopt;
+  const double bytes = std::ldexp(*value, power);
+  if (!(bytes >= 1 && bytes < 0x1p63)) return std::nullopt;
+  return static_cast<std::uint64_t>(bytes);
 }
 
 CLI::Option* add_length_option(CLI::App& app, const std::string& name, std::optional<Length>& out,

@@ -2,12 +2,14 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <map>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "cli/progress_bar.h"
+#include "cli/run_limits.h"
 #include "libfield/base/aabb.h"
 #include "libfield/scene/scene.h"
 
@@ -22,9 +24,11 @@ struct CommonOptions {
   bool verbose = false;
   std::optional<ProgressMode> progress;  ///< not set: a bar on a terminal
   int threads = 0;                       ///< 0: one a core
+  RunLimits::Most most;
 };
 void add_common_options(CLI::App& app, CommonOptions& options);
 void add_json_option(CLI::App& app, CommonOptions& options);
+void add_limit_options(CLI::App& app, CommonOptions& options);
 
 /// How a scene file is read.
 struct SceneOptions {
@@ -46,6 +50,10 @@ struct Length {
 std::optional<Length> parse_length(const std::string& text);
 CLI::Option* add_length_option(CLI::App& app, const std::string& name, std::optional<Length>& out,
                                const std::string& description);
+
+/// `100000000`, `500M` or `1.5G`: bytes, or so many times 2^10 (K), 2^20 (M), 2^30 (G) or 2^40 (T)
+/// of them; 1 or more and below 2^63.
+std::optional<std::uint64_t> parse_bytes(const std::string& text);
 
 /// Takes the words of a command line apart. Prints help to stdout and throws Exit{kDone} where it
 /// is asked for; prints what is wrong with the usage and throws Exit{kBadInput}.

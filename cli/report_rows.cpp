@@ -9,7 +9,7 @@
 namespace cs2mesh {
 namespace {
 
-constexpr std::array<RunColumn, 21> kColumns = {{
+constexpr std::array<RunColumn, 22> kColumns = {{
     {"mesher", "mesher", "/mesher", ColumnKind::text},
     {"tolerance", "tolerance", "/tolerance", ColumnKind::length},
     {"tolerance_share", "of the diagonal", "/tolerance_share", ColumnKind::share},
@@ -27,6 +27,7 @@ constexpr std::array<RunColumn, 21> kColumns = {{
     {"normal_deg_mean", "mean, degrees", "/error/normal_deg_mean", ColumnKind::degrees},
     {"value_evaluations", "values", "/evaluations/value", ColumnKind::count},
     {"gradient_evaluations", "gradients", "/evaluations/gradient", ColumnKind::count},
+    {"enclosures", "bounds", "/evaluations/enclosure", ColumnKind::count},
     {"peak_memory_bytes", "peak memory, MB", "/peak_memory_bytes", ColumnKind::megabytes},
     {"pareto_seconds", "front: time", "/pareto/seconds", ColumnKind::flag},
     {"pareto_triangles", "front: triangles", "/pareto/triangles", ColumnKind::flag},
@@ -36,6 +37,13 @@ constexpr std::array<RunColumn, 21> kColumns = {{
 /// null where there is no mesh to be counted.
 Json of_mesh(const LadderRun& run, std::size_t count) {
   return run.has_mesh() ? Json(count) : Json(nullptr);
+}
+
+/// The same of the evaluations, each of them.
+Json evaluations_of(const LadderRun& run) {
+  Json counts = to_json(run.evaluations);
+  for (Json& count : counts) count = of_mesh(run, count);
+  return counts;
 }
 
 Json error_to_json(const LadderRun& run) {
@@ -84,8 +92,7 @@ Json runs_to_json(std::span<const LadderRun> runs, double diagonal) {
          {"vertices", of_mesh(run, run.vertices)},
          {"triangles", of_mesh(run, run.triangles)},
          {"error", error_to_json(run)},
-         {"evaluations",
-          {{"value", of_mesh(run, run.values)}, {"gradient", of_mesh(run, run.gradients)}}},
+         {"evaluations", evaluations_of(run)},
          {"seconds",
           {{"mesh", run.seconds}, {"cpu", run.cpu_seconds}, {"measure", run.measure_seconds}}},
          {"timings", run.timings},

@@ -1,6 +1,7 @@
 // cs2mesh SCENE OUT...: the whole way from a scene to checked mesh files.
 #include <algorithm>
 #include <cstdio>
+#include <new>
 #include <optional>
 
 #include "cli/interrupt.h"
@@ -10,6 +11,7 @@
 #include "cli/mesh_request.h"
 #include "cli/output_files.h"
 #include "cli/verbs.h"
+#include "polygonize/part_request.h"
 
 namespace cs2mesh {
 namespace {
@@ -128,28 +130,31 @@ void add_plan(Json& report, const std::vector<PartLog>& plan) {
 /// The parts as they were written, and with `united` what became of those that touched.
 void add_parts(Json& report, const MeshedScene& meshed, const std::vector<PartReport>& checked,
                bool united) {
-  std::size_t values = 0, gradients = 0;
-  const auto count = [&](const PartLog& log) {
-    values += log.values;
-    gradients += log.gradients;
-  };
   Json parts = Json::array();
   for (std::size_t i = 0; i < checked.size(); ++i) {
     Json part = to_json(meshed.log[i], to_json(checked[i]));
     part["error"] = {{"mesh_to_surface_max", meshed.log[i].error}};
     if (united) part["united"] = meshed.model.parts[i].sources;
     parts.push_back(std::move(part));
-    count(meshed.log[i]);
   }
   report["parts"] = std::move(parts);
   if (united) {
     report["swallowed"] = Json::array();
-    for (const PartLog& log : meshed.swallowed) {
-      report["swallowed"].push_back(log.name);
-      count(log);
-    }
+    for (const PartLog& log : meshed.swallowed) report["swallowed"].push_back(log.name);
   }
-  report["evaluations"] = {{"value", values}, {"gradient", gradients}};
+}
+
+/// Seconds and evaluations, stage by stage and of F all together. Those of --verify are left out,
+/// as it asks the surface itself.
+void add_costs(Json& report, const Console& console) {
+  report["evaluations"] = to_json(console.evaluations());
+  report["stages"] = Json::array();
+  for (const StageCost& cost : console.stages().costs()) {
+    Json entry = {
+        {"stage", cost.stage}, {"seconds", cost.seconds}, {"cpu_seconds", cost.cpu_seconds}};
+    entry.update(to_json(cost.evaluations));
+    report["stages"].push_back(std::move(entry));
+  }
 }
 
 Json estimated_error(const std::vector<PartLog>& log) {
@@ -177,15 +182,12 @@ int report_plan(Json report, const CompiledScene& compiled, const Fineness& fine
   return kDone;
 }
 
-}  // namespace
-
-int run_mesh(const Words& arguments) {
-  const MeshRequest request = parse_mesh_request(arguments);
-  Console console(request.common);
-  require_writable(request, console);
-  Stopwatch watch;
+int mesh_scene(const MeshRequest& request, Console& console) {
+  Stopwatch watch(&console.progress());
   const Scene scene = read_scene(request.input, console, watch);
-  const CompiledScene compiled = bounded_parts(scene, console, watch);
+  const CompiledScene exact = bounded_parts(scene, console, watch);
+  CompiledScene compiled = exact;
+  count_evaluations(compiled, console.counter());
   const Fineness fineness = fineness_of(request, scene, compiled);
   Json report = {{"input", request.input.path},
                  {"outputs", request.outputs},
@@ -206,21 +208,36 @@ int run_mesh(const Words& arguments) {
   if (request.verify) {
     watch.start("verify");
     report["error"] = request.united && compiled.parts.size() > 1
-                          ? verify_union(meshed, compiled, fineness.tolerance, console)
-                          : verify(meshed, compiled, fineness.tolerance, console);
+                          ? verify_union(meshed, exact, fineness.tolerance, console)
+                          : verify(meshed, exact, fineness.tolerance, console);
   }
   watch.start("attributes");
   add_attributes(meshed, compiled, scene, request);
+  console.stop_if_interrupted();
   watch.start("export");
   write_outputs(meshed.model, scene, request, console);
   watch.stop();
 
   add_check(report, checked);
   add_parts(report, meshed, checked, request.united);
+  add_costs(report, console);
   add_run(report, watch, console);
   console.say(summary(checked) + ", " + seconds_text(watch));
   deliver(report, request.report, console);
   return kDone;
+}
+
+}  // namespace
+
+int run_mesh(const Words& arguments) {
+  const MeshRequest request = parse_mesh_request(arguments);
+  Console console(request.common);
+  require_writable(request, console);
+  try {
+    return mesh_scene(request, console);
+  } catch (const std::bad_alloc&) {
+    console.fail_for_memory();
+  }
 }
 
 }  // namespace cs2mesh

@@ -69,6 +69,7 @@ class Adaptive {
     best.error = HUGE_VAL;
     std::size_t aim = 0;
     for (int attempt = 0; attempt < kMostAttempts && aim < std::size(kAims); ++attempt) {
+      begin("first mesh");
       const OctreeMesh first = mesh_octree(surface_, *tree);
       log_.first_triangles = first.mesh.triangles.size();
       log_.jets += first.evaluations;
@@ -95,13 +96,15 @@ class Adaptive {
       return {std::move(best), {remark}};
     }
     best.cell = smallest_cell_;
-    best.values = log_.octree.values + log_.jets;
-    best.gradients = log_.octree.gradients + log_.jets;
     best.reached = true;
     return best;
   }
 
  private:
+  void begin(std::string_view stage) const {
+    if (request_.progress != nullptr) request_.progress->report(stage, 0.0);
+  }
+
   void look_at(const SurfaceOctree& tree) {
     log_.octree = tree.counts();
     log_.simple_leaves = log_.open_leaves = 0;
@@ -152,6 +155,7 @@ class Adaptive {
     result.error =
         proven_ ? bring_near(result.mesh, remeshed.on_surface) : bring_near_both_ways(result.mesh);
     if (!proven_ && result.error < HUGE_VAL) {
+      begin("measure");
       const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
       result.error = std::max(result.error, estimate.largest_distance(surface_, result.mesh));
       log_.jets += result.mesh.triangles.size();
@@ -171,6 +175,7 @@ class Adaptive {
       RefineStatistics refined;
       mesh = refine(surface_, std::move(mesh), refinement, &refined);
       log_.jets += mesh.triangles.size();
+      begin("mend");
       const MendedCrossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
       std::vector<LostPoint> lost = std::move(refined.far);
       put_down(lost, crossings.left);
@@ -180,6 +185,7 @@ class Adaptive {
         refinement.first_new = 0;
         continue;
       }
+      begin("look back");
       const std::vector<LostPoint> missed = lost_points(mesh, on_surface);
       lost.insert(lost.end(), missed.begin(), missed.end());
       put_down(missed, {});

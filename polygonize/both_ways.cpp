@@ -83,6 +83,9 @@ double BothWays::run(TriangleMesh& mesh) {
   SurfaceWatch::Look back;
   for (int look = 0; look < kMostLooks; ++look) {
     if (cancelled(refinement_.progress)) return kInfinity;
+    if (refinement_.progress != nullptr) {
+      refinement_.progress->report("look back", static_cast<double>(look) / kMostLooks);
+    }
     const ClosestPoint tree(mesh);
     back = look == 0 ? watch_.look(tree) : look_again(tree, back);
     for (const LostPoint& lost : probe_shell(surface_, mesh, tree, probe_)) {

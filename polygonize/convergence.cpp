@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <new>
 
 #include "libfield/base/check.h"
@@ -12,6 +11,7 @@
 #include "polygonize/deadline.h"
 #include "polygonize/pareto_front.h"
 #include "polygonize/part_request.h"
+#include "polygonize/stage_log.h"
 
 namespace cs2mesh {
 namespace {
@@ -26,13 +26,6 @@ std::string number_text(double value) {
   return text;
 }
 
-/// Of all threads of the process, so far.
-double cpu_seconds() {
-  timespec time{};
-  if (::clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time) != 0) return 0;
-  return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
-}
-
 Diagnostic interruption() {
   return error_at({}, "interrupted", Failure::interrupted);
 }
@@ -40,7 +33,7 @@ Diagnostic interruption() {
 /// All parts, meshed once.
 struct Attempt {
   Model model;
-  std::size_t values = 0, gradients = 0;
+  Evaluations evaluations;
   double estimate = 0.0;
   bool reached = true;
   double seconds = 0.0, cpu_seconds = 0.0;
@@ -62,8 +55,6 @@ void mesh_part(const Part& part, const Mesher& mesher, double tolerance, Progres
     attempt.errors = made.diagnostics();
     return;
   }
-  attempt.values += made->values;
-  attempt.gradients += made->gradients;
   attempt.estimate = std::max(attempt.estimate, made->error);
   attempt.reached = attempt.reached && made->reached;
   attempt.model.parts.push_back({part.name, std::move(made->mesh)});
@@ -71,7 +62,9 @@ void mesh_part(const Part& part, const Mesher& mesher, double tolerance, Progres
 
 Attempt mesh_once(const Scene& scene, const Mesher& mesher, double tolerance,
                   const LadderOptions& options) {
-  const CompiledScene fresh = compiled_anew(scene);
+  EvaluationCounter counter;
+  CompiledScene fresh = compiled_anew(scene);
+  count_evaluations(fresh, counter);
   Attempt attempt;
   const double cpu_before = cpu_seconds();
   Deadline deadline(options.time_limit, options.progress);
@@ -85,6 +78,7 @@ Attempt mesh_once(const Scene& scene, const Mesher& mesher, double tolerance,
   }
   attempt.seconds = deadline.elapsed();
   attempt.cpu_seconds = cpu_seconds() - cpu_before;
+  attempt.evaluations = counter.total();
   return attempt;
 }
 
@@ -187,8 +181,7 @@ Result<LadderRun> run_rung(const Scene& scene, const CompiledScene& compiled, co
   }
   run.vertices = attempt.model.vertex_count();
   run.triangles = attempt.model.triangle_count();
-  run.values = attempt.values;
-  run.gradients = attempt.gradients;
+  run.evaluations = attempt.evaluations;
   run.estimate = attempt.estimate;
   if (run.triangles == 0) {
     run.remark = "there is no surface that the mesher can see";

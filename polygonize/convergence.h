@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "libfield/field/compile.h"
+#include "libfield/field/counted_surface.h"
 #include "polygonize/mesher.h"
 #include "polygonize/metrology.h"
 #include "polygonize/power_fit.h"
@@ -55,8 +56,8 @@ struct LadderRun {
 
   // Where there is a mesh:
   std::size_t vertices = 0, triangles = 0;
-  std::size_t values = 0, gradients = 0;  ///< evaluations; a jet counts as one of each
-  double estimate = 0.0;                  ///< of the distance, by the mesher itself
+  Evaluations evaluations;  ///< all that meshing asked of F
+  double estimate = 0.0;    ///< of the distance, by the mesher itself
   MeasuredError error;
   /// How much the largest distance changes with another seed and half of the samples: how far it is
   /// to be trusted.

@@ -23,10 +23,9 @@ struct MesherRequest {
 
 struct MesherResult {
   TriangleMesh mesh;
-  double error = 0.0;                     ///< estimated distance, scene units
-  double cell = 0.0;                      ///< side of the smallest cells, scene units
-  bool reached = false;                   ///< error <= tolerance
-  std::size_t values = 0, gradients = 0;  ///< evaluations; a jet counts as one of each
+  double error = 0.0;    ///< estimated distance, scene units
+  double cell = 0.0;     ///< side of the smallest cells, scene units
+  bool reached = false;  ///< error <= tolerance
 };
 
 struct Mesher {
@@ -35,7 +34,8 @@ struct Mesher {
   /// Meshes {F = 0} of a surface with finite or empty bounds; triangles are counter-clockwise seen
   /// from {F < 0}. Where the tolerance is missed the best mesh comes with a warning of
   /// Failure::tolerance. Errors: Failure::limit, Failure::interrupted. The same mesh, to the bit,
-  /// for any number of threads.
+  /// for any number of threads. Each stage reports under its name; who wants evaluations counted
+  /// passes a CountedSurface.
   Result<MesherResult> (*mesh)(const ImplicitSurface& surface, const MesherRequest& request);
 };
 

@@ -17,4 +17,10 @@ MesherRequest request_for(const Part& part, double tolerance, Progress* progress
   return request;
 }
 
+void count_evaluations(CompiledScene& scene, EvaluationCounter& counter) {
+  for (Part& part : scene.parts) {
+    part.surface = std::make_shared<CountedSurface>(std::move(part.surface), &counter);
+  }
+}
+
 }  // namespace cs2mesh

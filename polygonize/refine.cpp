@@ -65,6 +65,9 @@ class Refiner {
     for (int round = 0; round < options_.most_rounds; ++round) {
       if (mesh_.triangles.size() > options_.max_triangles) return;
       if (cancelled(options_.progress)) return;
+      if (options_.progress != nullptr) {
+        options_.progress->report("refine", static_cast<double>(round) / options_.most_rounds);
+      }
       opposite_ = opposite_half_edges(mesh_);
       split_.assign(opposite_.size(), 0);
       mark_far_triangles();
@@ -171,6 +174,7 @@ class Refiner {
     const std::vector<std::size_t> fresh = triangles_to_look_at();
     std::vector<std::vector<LostPoint>> far((fresh.size() + kChunk - 1) / kChunk);
     for_each_chunk(fresh.size(), [&](std::size_t first, std::size_t last) {
+      if (cancelled(options_.progress)) return;
       far[first / kChunk] = find_far(std::span(fresh).subspan(first, last - first));
     });
     for (const auto& chunk : far) {

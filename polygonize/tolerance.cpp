@@ -20,50 +20,46 @@ namespace {
 
 /// Triangles measured together through one restriction of F: neighbours in the mesh's order.
 constexpr std::size_t kChunk = 128;
+/// Chunks whose samples are kept at once.
+constexpr std::size_t kWave = 256;
 
 struct Sample {
-  double distance = 0.0;
-  std::size_t triangle = 0;
+  double distance = 0.0;  ///< to the first order
   Vec3d point;
-  Jet jet;
 };
 
 /// Appends samples at points of the mesh that are near each other, with first-order distances no
-/// larger than the box around them.
-void append_samples(const ImplicitSurface& surface, std::span<const Vec3d> points,
-                    std::span<const std::size_t> triangles, std::vector<Sample>& samples) {
+/// larger than the box around them, and gives their jets.
+std::vector<Jet> append_samples(const ImplicitSurface& surface, std::span<const Vec3d> points,
+                                std::vector<Sample>& samples) {
   Aabb box;
   for (const Vec3d& p : points) box.include(p);
   std::vector<Jet> jets(points.size());
   if (!points.empty()) surface.restrict_to(box)->jets(points, jets);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    const double distance = first_order_distance(jets[i], box.diagonal());
-    samples.push_back({distance, triangles[i], points[i], jets[i]});
+    samples.push_back({first_order_distance(jets[i], box.diagonal()), points[i]});
   }
+  return jets;
 }
 
-/// One sample of each triangle in [first, last), and more of those that ask for it.
+/// One sample of each triangle in [first, last), and more of those that ask for it; those no
+/// farther than `near` are left out.
 std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                      std::size_t first, std::size_t last, double closer,
-                                     double small) {
+                                     double small, double near) {
   std::vector<Vec3d> points;
-  std::vector<std::size_t> triangles;
-  for (std::size_t t = first; t < last; ++t) {
-    points.push_back(sample_point(mesh, t));
-    triangles.push_back(t);
-  }
+  for (std::size_t t = first; t < last; ++t) points.push_back(sample_point(mesh, t));
   std::vector<Sample> samples;
-  append_samples(surface, points, triangles, samples);
+  const std::vector<Jet> jets = append_samples(surface, points, samples);
   points.clear();
-  triangles.clear();
-  for (const Sample& sample : samples) {
-    const Look look = look_of(mesh, sample.triangle, sample.jet, sample.distance, closer, small);
-    for (const Vec3d& p : more_points(mesh, sample.triangle, look)) {
-      points.push_back(p);
-      triangles.push_back(sample.triangle);
-    }
+  for (std::size_t t = first; t < last; ++t) {
+    const std::size_t i = t - first;
+    const Look look = look_of(mesh, t, jets[i], samples[i].distance, closer, small);
+    const std::vector<Vec3d> more = more_points(mesh, t, look);
+    points.insert(points.end(), more.begin(), more.end());
   }
-  append_samples(surface, points, triangles, samples);
+  append_samples(surface, points, samples);
+  std::erase_if(samples, [near](const Sample& sample) { return sample.distance <= near; });
   return samples;
 }
 
@@ -78,20 +74,24 @@ double distance_from(const ImplicitSurface& surface, const Sample& sample, doubl
   return nearer ? std::min(distance, nearer->distance) : distance;
 }
 
-/// The samples with a first-order distance above `known`.
-std::vector<Sample> distant_samples(const ImplicitSurface& surface, const TriangleMesh& mesh,
-                                    double closer, double small, double known) {
-  const std::size_t count = mesh.triangles.size();
-  std::vector<std::vector<Sample>> chunks((count + kChunk - 1) / kChunk);
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
-    const std::size_t first = kChunk * i;
-    chunks[i] =
-        sample_triangles(surface, mesh, first, std::min(first + kChunk, count), closer, small);
-    std::erase_if(chunks[i], [&](const Sample& sample) { return !(sample.distance > known); });
-  });
-  std::vector<Sample> samples;
-  for (const auto& chunk : chunks) samples.insert(samples.end(), chunk.begin(), chunk.end());
-  return samples;
+/// The largest distance of these samples, if that is more than `largest`. The first order errs far
+/// from the surface, near creases and between walls: looks closely at the farthest, until none of
+/// the others can be farther than what was found.
+double farthest_of(const ImplicitSurface& surface, std::vector<Sample> samples, double largest) {
+  constexpr std::size_t kBatch = 256;
+  std::stable_sort(samples.begin(), samples.end(),
+                   [](const Sample& a, const Sample& b) { return a.distance > b.distance; });
+  std::vector<double> distances(kBatch);
+  for (std::size_t first = 0; first < samples.size() && samples[first].distance > largest;
+       first += kBatch) {
+    const std::size_t count = std::min(kBatch, samples.size() - first);
+    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+      distances[i] = distance_from(surface, samples[first + i], largest);
+    });
+    const auto end = distances.begin() + static_cast<std::ptrdiff_t>(count);
+    largest = std::max(largest, *std::max_element(distances.begin(), end));
+  }
+  return largest;
 }
 
 /// A mesh is refined to the first of these shares of the tolerance, and taken when its estimate is
@@ -116,24 +116,19 @@ Diagnostic tolerance_missed(double tolerance, double error, double cell) {
 
 double GradientEstimate::largest_distance(const ImplicitSurface& surface,
                                           const TriangleMesh& mesh) const {
-  std::vector<Sample> samples = distant_samples(surface, mesh, closer_, small_, known_);
-
-  // The first order errs far from the surface, near creases and between walls: look closely at the
-  // farthest, until none of the others can be farther than what was found.
-  constexpr std::size_t kBatch = 256;
-  std::stable_sort(samples.begin(), samples.end(),
-                   [](const Sample& a, const Sample& b) { return a.distance > b.distance; });
-  double largest = known_;
-  std::vector<double> distances(kBatch);
-  for (std::size_t first = 0; first < samples.size() && samples[first].distance > largest;
-       first += kBatch) {
-    const std::size_t count = std::min(kBatch, samples.size() - first);
-    tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
-      const Sample& sample = samples[first + i];
-      distances[i] = distance_from(surface, sample, largest);
+  const std::size_t count = mesh.triangles.size();
+  double largest = 0.0;
+  for (std::size_t wave = 0; wave < count; wave += kWave * kChunk) {
+    const std::size_t end = std::min(wave + kWave * kChunk, count);
+    std::vector<std::vector<Sample>> chunks((end - wave + kChunk - 1) / kChunk);
+    tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+      const std::size_t first = wave + kChunk * i;
+      chunks[i] = sample_triangles(surface, mesh, first, std::min(first + kChunk, end), closer_,
+                                   small_, largest);
     });
-    const auto end = distances.begin() + static_cast<std::ptrdiff_t>(count);
-    largest = std::max(largest, *std::max_element(distances.begin(), end));
+    std::vector<Sample> samples;
+    for (const auto& chunk : chunks) samples.insert(samples.end(), chunk.begin(), chunk.end());
+    largest = farthest_of(surface, std::move(samples), largest);
   }
   return largest;
 }
@@ -217,6 +212,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
     if (cancelled(options.progress)) {
       return error_at({}, "interrupted", Failure::interrupted);
     }
+    if (options.progress != nullptr) options.progress->report("measure", 0.0);
     const double error =
         std::max({back, statistics.off_surface, estimate.largest_distance(surface, *mesh)});
     const bool better = best.attempts.empty() || error < best.error;
@@ -246,8 +242,6 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
   result.error = made->error;
   result.cell = made->cell;
   result.reached = made->reached;
-  result.values = made->statistics.value_evaluations;
-  result.gradients = made->statistics.gradient_evaluations;
   result.mesh = std::move(made->mesh);
   return {std::move(result), made.diagnostics()};
 }

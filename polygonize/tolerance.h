@@ -26,17 +26,17 @@ class DistanceEstimate {
 /// Looks from the mesh at the surface: |F| / |grad F| at one point of every triangle, where a
 /// triangle with its corners on a sphere is farthest from it, and at seven more where that is more
 /// than `closer` and at all of triangles smaller than `small`; at the farthest of them the distance
-/// proper. One gradient a triangle or a little more. Distances up to `known` are not told from it.
-/// Blind to pieces of surface that the mesh misses.
+/// proper. One gradient a triangle or a little more. Blind to pieces of surface that the mesh
+/// misses.
 class GradientEstimate final : public DistanceEstimate {
  public:
   explicit GradientEstimate(double closer = std::numeric_limits<double>::infinity(),
-                            double small = 0.0, double known = 0.0)
-      : closer_(closer), small_(small), known_(known) {}
+                            double small = 0.0)
+      : closer_(closer), small_(small) {}
   double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
 
  private:
-  double closer_, small_, known_;
+  double closer_, small_;
 };
 
 /// A way of meshing a surface on cells of one size; as mesh_lattice(), but that it may also fail

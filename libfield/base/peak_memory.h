@@ -9,6 +9,15 @@ namespace cs2mesh {
 /// 0 where the system does not say. Of a process with several watches alive at once, a lower bound.
 std::uint64_t peak_memory_bytes();
 
+/// The memory that the process has resident now, bytes; 0 where the system does not say (Linux:
+/// /proc/self/statm). About a microsecond.
+std::uint64_t resident_memory_bytes();
+
+/// Makes the system refuse the process more than `bytes` of private memory, for good: what asks for
+/// more gets std::bad_alloc. Stacks of `threads` threads come on top. False where the system
+/// cannot, or where the process has more already, as under AddressSanitizer.
+bool refuse_memory_beyond(std::uint64_t bytes, int threads);
+
 /// The most memory resident at once from the construction of the watch on. The kernel's mark is
 /// set back through /proc/self/clear_refs (Linux), after freed memory has been handed back to the
 /// system. Where that is not allowed the mark is that of the process since its start: own() tells.

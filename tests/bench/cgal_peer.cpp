@@ -17,9 +17,7 @@ using Traits = Triangulation::Geom_traits;
 /// CGAL's convention: negative inside.
 struct NegatedField {
   const ImplicitSurface* surface;
-  std::size_t* evaluations;
   Traits::FT operator()(const Traits::Point_3& p) const {
-    ++*evaluations;
     return -surface->value({p.x(), p.y(), p.z()});
   }
 };
@@ -45,22 +43,20 @@ TriangleMesh to_mesh(const Complex& complex) {
 
 }  // namespace
 
-CgalPeerResult cgal_make_surface_mesh(const ImplicitSurface& surface,
-                                      const CgalPeerOptions& options) {
-  CgalPeerResult result;
+TriangleMesh cgal_make_surface_mesh(const ImplicitSurface& surface,
+                                    const CgalPeerOptions& options) {
   Triangulation triangulation;
   Complex complex(triangulation);
   const Traits::Point_3 center(options.inside.x, options.inside.y, options.inside.z);
   const Traits::Sphere_3 sphere(center, options.bounding_radius * options.bounding_radius);
-  const CGAL::Implicit_surface_3<Traits, NegatedField> implicit(
-      NegatedField{&surface, &result.evaluations}, sphere, 1e-9);
+  const CGAL::Implicit_surface_3<Traits, NegatedField> implicit(NegatedField{&surface}, sphere,
+                                                                1e-9);
   // No bound on the size of facets: the distance decides.
   const CGAL::Surface_mesh_default_criteria_3<Triangulation> criteria(
       options.facet_angle, options.bounding_radius, options.facet_distance);
   CGAL::make_surface_mesh(complex, implicit, criteria, CGAL::Manifold_tag(),
                           options.initial_points);
-  result.mesh = to_mesh(complex);
-  return result;
+  return to_mesh(complex);
 }
 
 }  // namespace cs2mesh::bench

@@ -1,8 +1,6 @@
 // CGAL's Delaunay refinement of an implicit surface (make_surface_mesh) as a peer in benchmarks.
 #pragma once
 
-#include <cstddef>
-
 #include "libfield/field/implicit_surface.h"
 #include "polygonize/triangle_mesh.h"
 
@@ -18,12 +16,6 @@ struct CgalPeerOptions {
   double bounding_radius = 0.0;
 };
 
-struct CgalPeerResult {
-  TriangleMesh mesh;
-  std::size_t evaluations = 0;
-};
-
-CgalPeerResult cgal_make_surface_mesh(const ImplicitSurface& surface,
-                                      const CgalPeerOptions& options);
+TriangleMesh cgal_make_surface_mesh(const ImplicitSurface& surface, const CgalPeerOptions& options);
 
 }  // namespace cs2mesh::bench

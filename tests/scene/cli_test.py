@@ -42,6 +42,9 @@ class Usage(SceneTest):
             [scene, "out.obj", "--bounds", 0, 0, 0, 1, 1, 0],
             [scene, "out.obj", "-D", "novalue"],
             [scene, "out.obj", "--threads", 0],
+            [scene, "out.obj", "--time-limit", "0"],
+            [scene, "out.obj", "--max-memory", "much"],
+            [scene, "out.obj", "--max-memory", "0K"],
             ["info"],
             ["info", scene, "--no-such-option"],
         ):
@@ -95,8 +98,13 @@ class Meshing(SceneTest):
         self.assertEqual(report["vertices"] - 2, report["triangles"] / 2)
         for key in ("total", "parse", "compile", "export"):
             self.assertGreaterEqual(report["seconds"][key], 0)
-        for key in ("value", "gradient"):
+        for key in ("value", "gradient", "enclosure"):
             self.assertGreater(report["evaluations"][key], 0)
+            counted = sum(stage[key] for stage in report["stages"])
+            self.assertEqual(counted, report["evaluations"][key])
+        names = [stage["stage"] for stage in report["stages"]]
+        for stage in ("parse", "compile", "octree", "remesh", "refine", "measure", "export"):
+            self.assertIn(stage, names)
         self.assertGreater(report["peak_memory_bytes"], 1 << 20)
         for output in report["outputs"]:
             measured = self.report("check", output)
@@ -139,6 +147,8 @@ class Meshing(SceneTest):
         scene = self.file("ball.art", BALL)
         report = self.report(scene, "out.obj", "--verify")
         self.assertLessEqual(report["error"]["mesh_to_surface_max"], report["tolerance"])
+        plain = self.report(scene, "out.obj")
+        self.assertEqual(report["evaluations"], plain["evaluations"])
 
     def test_quiet_means_quiet(self):
         scene = self.file("ball.art", BALL)
@@ -185,6 +195,25 @@ class Outputs(SceneTest):
         _, words = process.communicate(timeout=120)
         self.assertEqual(process.returncode, 130, words)
         self.assertEqual(sorted(self.folder.rglob("*")), before)
+
+
+class Limits(SceneTest):
+    def test_time(self):
+        scene = self.file("ball.art", BALL)
+        done = self.fails(6, scene, "out.obj", "--tolerance", "0.00003", "--time-limit", "0.3")
+        self.assertRegex(done.stderr, r"the time limit of 0\.3 s was reached in stage '[\w ]+'")
+        self.succeed(scene, "out.obj", "--time-limit", "300")
+
+    def test_memory(self):
+        scene = self.file("ball.art", BALL)
+        done = self.fails(6, scene, "out.obj", "--tolerance", "0.00001", "--max-memory", "250M")
+        self.assertRegex(done.stderr, r"more memory than 250 MiB would be needed in stage '[\w ]+'")
+        self.succeed(scene, "out.obj", "--max-memory", "64G")
+
+    def test_a_limit_that_nothing_fits_in(self):
+        scene = self.file("ball.art", BALL)
+        self.fails(6, scene, "out.obj", "--time-limit", "1e-9")
+        self.fails(6, scene, "out.obj", "--max-memory", "1")
 
 
 class Probe(SceneTest):
