@@ -9,6 +9,7 @@
 #include "libfield/base/aabb.h"
 #include "libfield/base/interval.h"
 #include "libfield/base/jet2.h"
+#include "libfield/field/hull_bound.h"
 
 namespace cs2mesh {
 
@@ -61,6 +62,11 @@ class ImplicitSurface {
   /// supports (from order 3 on) and the creases of solids (from order 2 on), or where none is
   /// known.
   virtual double derivative_bound(int order, const Aabb& box) const = 0;
+
+  /// How far F or its logarithm may bend down, and how fast it grows along each of the directions,
+  /// all over the convex hull of one to eight points.
+  virtual HullBound hull_bound(std::span<const Vec3d> points,
+                               std::span<const Vec3d> directions) const;
 
   /// A box that contains all of {F >= 0}; infinite sides where the set is unbounded.
   virtual Aabb bounds() const = 0;
