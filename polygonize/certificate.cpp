@@ -21,10 +21,12 @@ using Index = TriangleMesh::Index;
 constexpr std::size_t kChunk = 64;
 /// The shell reaches beyond where the surface seems to be by these parts of that distance and of
 /// the tolerance: room for the bounds to show it.
-constexpr double kRoom = 0.3, kLeast = 0.06;
+constexpr double kRoom = 0.2, kLeast = 0.03;
+/// At first not beyond this part of the tolerance: the estimate may be far too large.
+constexpr double kMostAtFirst = 0.7;
 /// Where that is not enough, it is made thicker, this often.
-constexpr int kThickenings = 3;
-constexpr double kThicker = 1.6;
+constexpr int kThickenings = 6;
+constexpr double kThicker = 1.5;
 /// Of the tolerance, for the rounding of lengths.
 constexpr double kWhole = 1 - 1e-9;
 
@@ -53,27 +55,49 @@ std::vector<std::uint32_t> by_place(const TriangleMesh& mesh) {
   return order;
 }
 
-/// Sums of the normals of the triangles around each vertex.
-std::vector<Vec3d> vertex_normals(const TriangleMesh& mesh) {
-  std::vector<Vec3d> normals(mesh.positions.size());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const Vec3d area = area_vector(mesh, t);
-    if (!(norm(area) > 0)) continue;
-    for (const Index v : mesh.triangles[t]) normals[v] += normalized(area);
-  }
-  return normals;
-}
-
-/// How far the surface seems to be outside and inside of a triangle.
-struct Sag {
+/// What there is of a triangle: how far the surface seems to be outside and inside of it, and unit
+/// normals, its own and those of the surface at some points.
+struct Look {
   double outer = 0.0, inner = 0.0;
+  std::array<Vec3d, 8> normals;
 };
+
+/// For each vertex a unit direction that leaves the triangles around and the surface near them as
+/// steeply as can be: begun with the mean of the normals, then drawn towards whichever is farthest.
+std::vector<Vec3d> steepest_directions(const TriangleMesh& mesh, std::span<const Look> looks) {
+  constexpr int kRounds = 12;
+  std::vector<Vec3d> directions(mesh.positions.size());
+  for (std::size_t t = 0; t < looks.size(); ++t) {
+    for (const Index v : mesh.triangles[t]) directions[v] += looks[t].normals[0];
+  }
+  const auto normalize_all = [&directions] {
+    for (Vec3d& d : directions) {
+      if (norm(d) > 0) d = normalized(d);
+    }
+  };
+  normalize_all();
+  for (int round = 1; round <= kRounds; ++round) {
+    std::vector<double> least(directions.size(), 2.0);
+    std::vector<Vec3d> farthest(directions.size());
+    for (std::size_t t = 0; t < looks.size(); ++t) {
+      for (const Index v : mesh.triangles[t]) {
+        for (const Vec3d& normal : looks[t].normals) {
+          const double cosine = dot(normal, directions[v]);
+          if (cosine < least[v]) least[v] = cosine, farthest[v] = normal;
+        }
+      }
+    }
+    for (std::size_t v = 0; v < least.size(); ++v) directions[v] += (0.5 / round) * farthest[v];
+    normalize_all();
+  }
+  return directions;
+}
 
 class Certifier {
  public:
   Certifier(const ImplicitSurface& surface, const TriangleMesh& mesh, const CertifyOptions& options)
       : surface_(surface), mesh_(mesh), options_(options), order_(by_place(mesh)) {
-    doubts_.assign(mesh.triangles.size(), Doubt::none);
+    findings_.assign(mesh.triangles.size(), {});
   }
 
   /// False if cancelled.
@@ -85,10 +109,15 @@ class Certifier {
       if (round == kThickenings) break;
       todo = thickened();
     }
+    settle_folds();
     return true;
   }
 
-  const std::vector<Doubt>& doubts() const { return doubts_; }
+  std::vector<Doubt> doubts() const {
+    std::vector<Doubt> doubts;
+    for (const Finding& finding : findings_) doubts.push_back(finding.doubt);
+    return doubts;
+  }
   const ProverCounts& counts() const { return counts_; }
 
  private:
@@ -104,46 +133,31 @@ class Certifier {
     return !cancelled(options_.progress);
   }
 
-  /// Directions by the gradients at the vertices, lengths by the sag of the triangles around.
+  /// Lengths by the sag of the triangles around.
   bool shape_shell() {
-    std::vector<Sag> sags(mesh_.triangles.size());
-    std::vector<Vec3d> gradients(3 * mesh_.triangles.size());
+    std::vector<Look> looks(mesh_.triangles.size());
     const auto measure = [&](std::span<const std::uint32_t> chunk, ProverCounts& counts) {
-      measure_sag(chunk, sags, gradients, counts);
+      look_around(chunk, looks, counts);
     };
     if (!for_each_chunk(order_, measure)) return false;
     const std::size_t vertices = mesh_.positions.size();
-    shell_.direction = vertex_normals(mesh_);
+    shell_.direction = steepest_directions(mesh_, looks);
     shell_.outer.assign(vertices, kLeast * options_.tolerance);
     shell_.inner.assign(vertices, kLeast * options_.tolerance);
-    std::vector<Vec3d> gradient(vertices);
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const Index v = mesh_.triangles[t][k];
-        gradient[v] = gradients[3 * t + k];
-        for (const auto& [sag, length] : {std::pair(sags[t].outer, &shell_.outer[v]),
-                                          std::pair(sags[t].inner, &shell_.inner[v])}) {
+      for (const Index v : mesh_.triangles[t]) {
+        for (const auto& [sag, length] : {std::pair(looks[t].outer, &shell_.outer[v]),
+                                          std::pair(looks[t].inner, &shell_.inner[v])}) {
           const double wanted = (1 + kRoom) * sag + kLeast * options_.tolerance;
-          *length = std::min(std::max(*length, wanted), kWhole * options_.tolerance);
+          *length = std::max(*length, std::min(wanted, kMostAtFirst * options_.tolerance));
         }
       }
     }
-    for (std::size_t v = 0; v < vertices; ++v) choose_direction(v, gradient[v]);
     return true;
   }
 
-  void choose_direction(std::size_t v, const Vec3d& gradient) {
-    constexpr double kLeaning = 0.5;  // cosine from which on the gradient is not to be relied on
-    const double length = norm(shell_.direction[v]);
-    if (length > 0) shell_.direction[v] = shell_.direction[v] / length;
-    const double slope = norm(gradient);
-    if (-dot(gradient, shell_.direction[v]) > kLeaning * slope) {
-      shell_.direction[v] = -gradient / slope;
-    }
-  }
-
-  void measure_sag(std::span<const std::uint32_t> chunk, std::vector<Sag>& sags,
-                   std::vector<Vec3d>& gradients, ProverCounts& counts) const {
+  void look_around(std::span<const std::uint32_t> chunk, std::vector<Look>& looks,
+                   ProverCounts& counts) const {
     constexpr std::size_t kPoints = 7;
     Aabb box;
     std::vector<Vec3d> points;
@@ -164,14 +178,16 @@ class Certifier {
     counts.values += points.size();
     counts.gradients += points.size();
     for (std::size_t i = 0; i < chunk.size(); ++i) {
+      const Vec3d area = area_vector(mesh_, chunk[i]);
+      if (norm(area) > 0) looks[chunk[i]].normals[0] = normalized(area);
       for (std::size_t k = 0; k < kPoints; ++k) {
         const Jet& jet = jets[kPoints * i + k];
         const Vec3d gradient = bound.gradient(jet);
-        if (k < 3) gradients[3 * chunk[i] + k] = gradient;
         const double height = 0.5 * (bound.low(jet.value) + bound.high(jet.value)) / norm(gradient);
-        Sag& sag = sags[chunk[i]];
-        if (height > 0) sag.outer = std::max(sag.outer, height);
-        if (height < 0) sag.inner = std::max(sag.inner, -height);
+        Look& look = looks[chunk[i]];
+        if (norm(gradient) > 0) look.normals[k + 1] = -normalized(gradient);
+        if (height > 0) look.outer = std::max(look.outer, height);
+        if (height < 0) look.inner = std::max(look.inner, -height);
       }
     }
   }
@@ -179,27 +195,31 @@ class Certifier {
   bool look_at(std::span<const std::uint32_t> triangles) {
     return for_each_chunk(
         triangles, [&](std::span<const std::uint32_t> chunk, ProverCounts& counts) {
-          const std::vector<Doubt> found = doubts_of(surface_, mesh_, shell_, chunk, counts);
-          for (std::size_t i = 0; i < chunk.size(); ++i) doubts_[chunk[i]] = found[i];
+          const std::vector<Finding> found = look_into(surface_, mesh_, shell_, chunk, counts);
+          for (std::size_t i = 0; i < chunk.size(); ++i) findings_[chunk[i]] = found[i];
         });
   }
 
   /// Makes the shell thicker around triangles whose distance is in doubt; returns those that this
   /// concerns.
   std::vector<std::uint32_t> thickened() {
-    std::vector<bool> grows(mesh_.positions.size(), false), changed(mesh_.positions.size(), false);
+    std::vector<bool> changed(mesh_.positions.size(), false);
+    std::vector<bool> outer = changed, inner = changed;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      if (doubts_[t] != Doubt::distance) continue;
-      for (const Index v : mesh_.triangles[t]) grows[v] = true;
+      for (const Index v : mesh_.triangles[t]) {
+        if (findings_[t].outer) outer[v] = true;
+        if (findings_[t].inner) inner[v] = true;
+      }
     }
     const double most = kWhole * options_.tolerance;
-    for (std::size_t v = 0; v < grows.size(); ++v) {
-      if (!grows[v]) continue;
-      for (double* length : {&shell_.outer[v], &shell_.inner[v]}) {
-        if (*length >= most) continue;
-        *length = std::min(kThicker * *length, most);
-        changed[v] = true;
-      }
+    const auto thicken = [&](std::size_t v, double& length) {
+      if (length >= most) return;
+      length = std::min(kThicker * length, most);
+      changed[v] = true;
+    };
+    for (std::size_t v = 0; v < changed.size(); ++v) {
+      if (outer[v]) thicken(v, shell_.outer[v]);
+      if (inner[v]) thicken(v, shell_.inner[v]);
     }
     std::vector<std::uint32_t> todo;
     for (const std::uint32_t t : order_) {
@@ -209,12 +229,47 @@ class Certifier {
     return todo;
   }
 
+  /// Where the gradients leave open whether layers can meet, their prisms tell: those of neighbours
+  /// are on different sides of their border, and the others are to be apart.
+  void settle_folds() {
+    const auto hangs = [this](std::size_t t) {
+      return findings_[t].doubt == Doubt::fold && findings_[t].rises;
+    };
+    const std::size_t count = mesh_.triangles.size();
+    std::vector<char> apart(count, 0);
+    for (std::size_t t = 0; t < count; ++t) apart[t] = hangs(t) ? 1 : 0;
+    if (std::none_of(apart.begin(), apart.end(), [](char a) { return a != 0; })) return;
+    std::vector<Aabb> boxes(count);
+    for (std::size_t t = 0; t < count; ++t) {
+      for (const Vec3d& p : prism_corners(mesh_, shell_, t)) boxes[t].include(p);
+    }
+    const BoxPairs pairs(boxes);
+    for (std::size_t group = 0; group < pairs.group_count(); ++group) {
+      pairs.for_each_pair(group, [&](std::uint32_t a, std::uint32_t b) {
+        if ((apart[a] == 0 && apart[b] == 0) || share_a_corner(a, b)) return;
+        if (are_apart(prism_corners(mesh_, shell_, a), prism_corners(mesh_, shell_, b))) return;
+        apart[a] = apart[b] = 0;
+      });
+    }
+    for (std::size_t t = 0; t < count; ++t) {
+      if (apart[t] != 0) findings_[t] = {};
+    }
+  }
+
+  bool share_a_corner(std::uint32_t a, std::uint32_t b) const {
+    for (const Index v : mesh_.triangles[a]) {
+      const auto& corners = mesh_.triangles[b];
+      if (std::find(corners.begin(), corners.end(), v) != corners.end()) return true;
+    }
+    return false;
+  }
+
   const ImplicitSurface& surface_;
   const TriangleMesh& mesh_;
   const CertifyOptions& options_;
   std::vector<std::uint32_t> order_;
   OffsetShell shell_;
-  std::vector<Doubt> doubts_;
+  std::vector<Finding> findings_;
   ProverCounts counts_;
 };
 

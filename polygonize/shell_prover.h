@@ -1,6 +1,7 @@
 // Proofs, triangle by triangle, that the surface is one sheet inside of a thin shell around a mesh.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -31,10 +32,27 @@ struct ProverCounts {
   }
 };
 
-/// What is not proven of each of some triangles, which should be near each other: `distance`,
-/// `fold` or `crease`, in that order of precedence. See certificate.h for what is proven.
-std::vector<Doubt> doubts_of(const ImplicitSurface& surface, const TriangleMesh& mesh,
-                             const OffsetShell& shell, std::span<const std::uint32_t> triangles,
-                             ProverCounts& counts);
+struct Finding {
+  Doubt doubt = Doubt::none;  ///< `distance`, `fold` or `crease`, in that order of precedence
+  /// Where the distance is in doubt: the layers whose sign is, as far as was looked.
+  bool outer = false, inner = false;
+  /// Where a fold is in doubt: the surface crosses each segment once for all that, and no layer is
+  /// turned inside out, so that the prism meets none of a neighbour's but at their border. What is
+  /// left is that it might meet others.
+  bool rises = false;
+};
+
+/// The corners of a triangle's prism, first the outer ones.
+std::array<Vec3d, 6> prism_corners(const TriangleMesh& mesh, const OffsetShell& shell,
+                                   std::size_t triangle);
+/// Whether the hulls of the corners of two prisms are shown to have no point in common. False where
+/// it could not be decided.
+bool are_apart(const std::array<Vec3d, 6>& a, const std::array<Vec3d, 6>& b);
+
+/// What is not proven of each of some triangles, which should be near each other. See certificate.h
+/// for what is proven.
+std::vector<Finding> look_into(const ImplicitSurface& surface, const TriangleMesh& mesh,
+                               const OffsetShell& shell, std::span<const std::uint32_t> triangles,
+                               ProverCounts& counts);
 
 }  // namespace cs2mesh
