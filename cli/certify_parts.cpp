@@ -64,9 +64,10 @@ std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const Comp
   std::vector<PartCertificate> certificates;
   for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
     const Part& part = compiled.parts[meshed.parts_of[i].front()];
-    const double smallest = kNeck * length_scale(part);
-    const TopologyProof topology =
-        console.take(prove_topology(*part.surface, smallest, &console.progress()));
+    TopologyProof::Options proof;
+    proof.smallest = kNeck * length_scale(part);
+    proof.progress = &console.progress();
+    const TopologyProof topology = console.take(TopologyProof::build(*part.surface, proof));
     CertifyOptions options;
     options.tolerance = fineness.tolerance;
     options.progress = &console.progress();

@@ -5,11 +5,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "libfield/base/check.h"
 #include "polygonize/box_pairs.h"
-#include "polygonize/check.h"
+#include "polygonize/disjoint_sets.h"
 #include "polygonize/shell_prover.h"
 
 namespace cs2mesh {
@@ -118,6 +119,7 @@ class Certifier {
     for (const Finding& finding : findings_) doubts.push_back(finding.doubt);
     return doubts;
   }
+  const OffsetShell& shell() const { return shell_; }
   const ProverCounts& counts() const { return counts_; }
 
  private:
@@ -297,16 +299,62 @@ std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb>
   return alone;
 }
 
-/// Whether the mesh has as many components and handles as the surface.
-bool same_topology(const TriangleMesh& mesh, const TopologyProof& topology) {
-  CheckOptions options;
-  options.self_intersections = false;
-  const MeshReport report = check(mesh, options);
-  return report.closed && report.manifold_edges && report.manifold_vertices && report.oriented &&
-         report.components == topology.components && report.genus == topology.genus;
+/// The number of sets of triangles that are connected through vertices.
+std::size_t component_count(const TriangleMesh& mesh) {
+  DisjointSets sets(mesh.positions.size());
+  for (const auto& [a, b, c] : mesh.triangles) sets.join(a, b), sets.join(a, c);
+  std::vector<bool> seen(mesh.positions.size(), false);
+  std::size_t count = 0;
+  for (const auto& corners : mesh.triangles) {
+    const std::uint32_t root = sets.root(corners[0]);
+    count += seen[root] ? 0 : 1;
+    seen[root] = true;
+  }
+  return count;
 }
 
-void sum_up(const TriangleMesh& mesh, std::span<const Aabb> alone, Certificate& certificate) {
+/// Regions that the mesh does not account for: it parts space in one more than it has components.
+/// The layers of the shell are of one region as far as their triangles are certified.
+std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& topology,
+                               const OffsetShell& shell, std::span<const Doubt> doubts) {
+  TopologyProof::KnownPoints known;
+  const auto inner = static_cast<std::uint32_t>(mesh.positions.size());
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    known.points.push_back(mesh.positions[v] + shell.outer[v] * shell.direction[v]);
+  }
+  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+    known.points.push_back(mesh.positions[v] - shell.inner[v] * shell.direction[v]);
+  }
+  known.inside.assign(inner, false);
+  known.inside.resize(known.points.size(), true);
+  std::vector<bool> certified(mesh.positions.size(), false);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (doubts[t] == Doubt::distance || doubts[t] == Doubt::crease) continue;
+    const auto& [a, b, c] = mesh.triangles[t];
+    certified[a] = certified[b] = certified[c] = true;
+    for (const std::uint32_t first : {0U, inner}) {
+      known.together.push_back({first + a, first + b});
+      known.together.push_back({first + a, first + c});
+    }
+  }
+  // Nothing is known of vertices without a certified triangle.
+  constexpr double kNowhere = std::numeric_limits<double>::infinity();
+  for (std::size_t v = 0; v < certified.size(); ++v) {
+    if (certified[v]) continue;
+    known.points[v] = known.points[inner + v] = {kNowhere, kNowhere, kNowhere};
+  }
+  std::vector<TopologyProof::Region> regions = topology.regions(known);
+  const std::size_t expected = component_count(mesh) + 1;
+  if (regions.size() <= expected) return {};
+  // Those that hold nothing of the shell first.
+  std::stable_sort(regions.begin() + 1, regions.end(),
+                   [](const auto& a, const auto& b) { return a.known < b.known; });
+  std::vector<Aabb> lost;
+  for (std::size_t i = 1; i <= regions.size() - expected; ++i) lost.push_back(regions[i].leaf);
+  return lost;
+}
+
+void sum_up(const TriangleMesh& mesh, std::span<const Aabb> cells, Certificate& certificate) {
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const double area = norm(area_vector(mesh, t));
     certificate.area += area;
@@ -317,7 +365,7 @@ void sum_up(const TriangleMesh& mesh, std::span<const Aabb> alone, Certificate& 
           {centroid(mesh, t), certificate.doubts[t], area, box_of(mesh, t)});
     }
   }
-  for (const Aabb& cell : alone) {
+  for (const Aabb& cell : cells) {
     certificate.places.push_back({cell.center(), Doubt::topology, 0.0, cell});
   }
 }
@@ -345,6 +393,7 @@ Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& 
   require(options.tolerance > 0 && std::isfinite(options.tolerance),
           "certify: the tolerance must be positive");
   Certificate certificate;
+  OffsetShell shell;
   if (!mesh.empty()) {
     Certifier certifier(surface, mesh, options);
     if (!certifier.run()) return error_at({}, "interrupted", Failure::interrupted);
@@ -352,14 +401,12 @@ Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& 
     certificate.values = certifier.counts().values;
     certificate.gradients = certifier.counts().gradients;
     certificate.bounds = certifier.counts().bounds;
+    shell = certifier.shell();
   }
-  const std::vector<Aabb> alone = doubt_topology(mesh, topology.open, certificate.doubts);
-  if (!same_topology(mesh, topology)) {
-    for (Doubt& doubt : certificate.doubts) {
-      if (doubt == Doubt::none) doubt = Doubt::topology;
-    }
-  }
-  sum_up(mesh, alone, certificate);
+  std::vector<Aabb> cells = lost_regions(mesh, topology, shell, certificate.doubts);
+  const std::vector<Aabb> alone = doubt_topology(mesh, topology.open(), certificate.doubts);
+  cells.insert(cells.end(), alone.begin(), alone.end());
+  sum_up(mesh, cells, certificate);
   return certificate;
 }
 

@@ -13,8 +13,8 @@
 //     does not cross itself is then embedded, the surface is a section of it, and the two are
 //     isotopic by moving along the segments.
 // No surface crosses the shell's boundary, so a component of the surface lies in the shell or has
-// nothing to do with it. That there is none of the latter kind is for TopologyProof to say: the
-// surface has as many components as the mesh, but perhaps for its open places.
+// nothing to do with it. That there is none of the latter kind is for TopologyProof to say: space
+// has no more regions than the mesh parts it in, but perhaps for what is in open leaves.
 //
 // The bounds are those of bent_triangle.h: a few values a triangle, and more where that leaves it
 // open.
@@ -38,7 +38,7 @@ enum class Doubt : std::uint8_t {
   none,
   distance,  ///< the surface may be farther than the tolerance
   fold,      ///< it may cross the shell more than once, or the shell itself
-  topology,  ///< it may have sheets that the mesh lacks, or the mesh some that it lacks
+  topology,  ///< there may be more of it in a cell, or around one, than the mesh has
   crease,    ///< it bends without bound, as at creases and jumps of strength profiles
 };
 std::string_view name(Doubt doubt);
@@ -52,9 +52,10 @@ struct UncertifiedPlace {
 
 struct Certificate {
   double area = 0.0, certified_area = 0.0;  ///< of the mesh
-  /// For each triangle; those that reach into an open place of the topology are in doubt as well.
+  /// For each triangle; those that reach into an open leaf of the topology are in doubt as well.
   std::vector<Doubt> doubts;
-  /// First the triangles in doubt, by number, then open cells without any triangle.
+  /// First the triangles in doubt, by number; then cells, in regions that the mesh does not account
+  /// for, and open leaves that no triangle reaches into.
   std::vector<UncertifiedPlace> places;
   std::size_t values = 0, gradients = 0;  ///< evaluations; a jet is one of each
   std::size_t bounds = 0;                 ///< HullBounds asked for

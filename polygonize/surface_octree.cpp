@@ -259,17 +259,16 @@ std::vector<Octree::Index> numbers_of(const std::vector<bool>& chosen) {
 }  // namespace
 
 /// Chooses the largest leaves of a dual cell, of those that may hold surface, if they may be cut.
-bool SurfaceOctree::choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
+void SurfaceOctree::choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
                                    std::vector<bool>& chosen) const {
   int level = Octree::kMostLevels;
   for (const Index leaf : cell) {
     if (kinds_[leaf] != LeafKind::empty) level = std::min<int>(level, octree_[leaf].level);
   }
-  if (octree_.side(level) < 2 * options.smallest) return false;
+  if (octree_.side(level) < 2 * options.smallest) return;
   for (const Index leaf : cell) {
     if (kinds_[leaf] != LeafKind::empty && octree_[leaf].level == level) chosen[leaf] = true;
   }
-  return true;
 }
 
 /// The largest leaves of dual cells that the surface seems to cut in several pieces, and leaves
@@ -289,26 +288,19 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(
   return numbers_of(chosen);
 }
 
-/// The box of what of a dual cell lies in leaves that may hold surface.
-Aabb SurfaceOctree::box_of(const DualCell& cell) const {
-  Aabb box;
-  for (const Index leaf : cell) {
-    if (kinds_[leaf] != LeafKind::empty) box.include(octree_.center(leaf));
-  }
-  box.include(octree_.point(meeting_point(octree_, cell)));
-  return box;
-}
-
-/// Whether the surface in a dual cell is a graph or nothing, as far as can be proven.
+/// Whether the surface in a dual cell is a graph or nothing, as far as can be proven: in the box of
+/// what of it lies in leaves that may hold surface.
 bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
-  const Aabb box = box_of(cell);
+  Aabb box;
   Vec3d direction{};
   Index largest = 0;
   for (const Index leaf : cell) {
     if (kinds_[leaf] == LeafKind::empty) continue;
+    box.include(octree_.center(leaf));
     direction += normalized(jets_[leaf].gradient);
     if (largest == 0 || octree_[leaf].level < octree_[largest].level) largest = leaf;
   }
+  box.include(octree_.point(meeting_point(octree_, cell)));
   const ImplicitSurface& surface =
       surface_box(largest).contains(box) ? surface_at(largest) : *surfaces_.front();
   Grower grower{surface, direction};
@@ -343,8 +335,8 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
   counts_.slopes += std::accumulate(slopes.begin(), slopes.end(), std::size_t{0});
   std::vector<bool> chosen(octree_.size(), false);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (simple[i] != 0 || choose_largest(cells[i], options, chosen)) continue;
-    crowded_cells_.push_back(box_of(cells[i]));
+    if (simple[i] != 0) continue;
+    choose_largest(cells[i], options, chosen);
   }
   return numbers_of(chosen);
 }

@@ -59,9 +59,6 @@ class SurfaceOctree {
   const Octree& octree() const { return octree_; }
   const Counts& counts() const { return counts_; }
   LeafKind kind(Index leaf) const { return kinds_[leaf]; }
-  /// What of dual cells, too small to be cut, could not be shown to be simple; some
-  /// may be listed twice.
-  const std::vector<Aabb>& crowded_cells() const { return crowded_cells_; }
   /// F at the centre of a leaf that is not empty.
   const Jet& jet(Index leaf) const { return jets_[leaf]; }
   /// F restricted to a box that holds the leaf with a margin of half its side all around.
@@ -80,10 +77,9 @@ class SurfaceOctree {
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
   void take(Index cell, const Opened& opened, std::vector<Index>& open);
   std::vector<Index> unclear(const SurfaceOctreeOptions& options) const;
-  bool choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
+  void choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
                       std::vector<bool>& chosen) const;
   std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
-  Aabb box_of(const DualCell& cell) const;
   bool is_simple(const DualCell& cell, std::size_t& slopes) const;
 
   Octree octree_;
@@ -93,7 +89,6 @@ class SurfaceOctree {
   std::vector<std::uint32_t> surface_of_;
   std::vector<std::shared_ptr<const ImplicitSurface>> surfaces_;
   std::vector<Aabb> surface_boxes_;
-  std::vector<Aabb> crowded_cells_;
 };
 
 }  // namespace cs2mesh

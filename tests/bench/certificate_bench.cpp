@@ -12,6 +12,7 @@
 #include "libfield/art/read_art.h"
 #include "libfield/field/compile.h"
 #include "polygonize/certificate.h"
+#include "polygonize/check.h"
 #include "polygonize/mesher.h"
 #include "polygonize/part_request.h"
 
@@ -38,8 +39,9 @@ int run(const char* path, double tolerance, double aim) {
     const Result<MesherResult> made = meshers().front().mesh(*part.surface, request);
     if (!made) continue;
     const double meshed = processor_seconds();
-    const Result<TopologyProof> topology =
-        prove_topology(*part.surface, request.thinnest_radius / 64);
+    TopologyProof::Options proof;
+    proof.smallest = request.thinnest_radius / 64;
+    const Result<TopologyProof> topology = TopologyProof::build(*part.surface, proof);
     const double proven = processor_seconds();
     CertifyOptions options;
     options.tolerance = tolerance;
@@ -62,8 +64,11 @@ int run(const char* path, double tolerance, double aim) {
                 100 * result->share(), static_cast<double>(result->values) / n,
                 static_cast<double>(result->gradients) / n,
                 static_cast<double>(result->bounds) / n);
-    std::printf("  components %zu genus %lld open cells %zu\n", topology->components,
-                topology->genus, topology->open.size());
+    CheckOptions unchecked;
+    unchecked.self_intersections = false;
+    const MeshReport report = check(made->mesh, unchecked);
+    std::printf("  components %zu genus %lld; open cells %zu\n", report.components, report.genus,
+                topology->open().size());
     for (std::size_t k = 1; k < count.size(); ++k) {
       std::printf("  %s: %zu places, %.4f %% of the area\n", name(static_cast<Doubt>(k)).data(),
                   count[k], 100 * area[k] / result->area);
