@@ -104,6 +104,7 @@ std::optional<Octree::Index> TopologyProof::neighbour(Index leaf, const Int3& st
   return found;
 }
 
+/// None outside of the root. Near a face it may be the leaf beyond, by the rounding of the face.
 std::optional<Octree::Index> TopologyProof::leaf_around(const Vec3d& point) const {
   Index found = 0;
   if (!octree_.box(found).contains(point)) return std::nullopt;
@@ -112,7 +113,6 @@ std::optional<Octree::Index> TopologyProof::leaf_around(const Vec3d& point) cons
     found = octree_.child(found, (point.x > middle.x ? 1 : 0) | (point.y > middle.y ? 2 : 0) |
                                      (point.z > middle.z ? 4 : 0));
   }
-  if (!octree_.box(found).contains(point)) return std::nullopt;
   return found;
 }
 
@@ -168,7 +168,7 @@ void TopologyProof::join_leaves(DisjointSets& sets) const {
       const Int3 step{code % 3 - 1, code / 3 % 3 - 1, code / 9 - 1};
       const std::optional<Index> other = neighbour(leaf, step);
       if (!other) {
-        sets.join(leaf, outside());
+        if (!inside) sets.join(leaf, outside());
       } else if (keeps_sign(*other)) {
         if (octree_[*other].inside == inside) sets.join(leaf, *other);
       } else if (std::abs(step.x) + std::abs(step.y) + std::abs(step.z) == 1) {

@@ -20,6 +20,18 @@ HullBound ImplicitSurface::hull_bound(std::span<const Vec3d> points,
   return bound;
 }
 
+namespace {
+
+/// A lower bound of the slope of log(1 + F), where that of F is positive; else of no use.
+double slope_of_sum(const Field& field, const Aabb& box, std::span<const Vec3d> directions) {
+  const std::array<Interval, 3> gradient = field.enclose_gradient(box);
+  double least = HullBound::kInfinity;
+  for (const Vec3d& u : directions) least = std::min(least, least_along(gradient, u));
+  return least > 0 ? least / (1 + field.enclose(box).hi) : -HullBound::kInfinity;
+}
+
+}  // namespace
+
 HullBound Field::hull_bound(std::span<const Vec3d> points,
                             std::span<const Vec3d> directions) const {
   Aabb box;
@@ -39,6 +51,12 @@ HullBound Field::hull_bound(std::span<const Vec3d> points,
     LogHull hull(points, directions);
     for (const std::uint32_t i : list) hull.add(data_->terms[i]);
     hull.bound(bound);
+    // Of arcs little is known in the exponent.
+    const bool has_arcs = std::any_of(list.begin(), list.end(), [this](std::uint32_t i) {
+      return std::holds_alternative<Arc>(data_->terms[i].primitive);
+    });
+    if (has_arcs && !(bound.slope > 0))
+      bound.slope = std::max(bound.slope, slope_of_sum(*this, box, directions));
   } else {
     bound = ImplicitSurface::hull_bound(points, directions);
   }
