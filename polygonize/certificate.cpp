@@ -106,10 +106,15 @@ class Certifier {
     if (!shape_shell()) return false;
     std::vector<std::uint32_t> todo = order_;
     for (int round = 0; !todo.empty(); ++round) {
-      if (!look_at(todo)) return false;
+      if (!look_at(todo, Question::signs)) return false;
       if (round == kThickenings) break;
       todo = thickened();
     }
+    todo.clear();
+    for (const std::uint32_t t : order_) {
+      if (findings_[t].doubt == Doubt::none) todo.push_back(t);
+    }
+    if (!look_at(todo, Question::slopes)) return false;
     settle_folds();
     return true;
   }
@@ -194,12 +199,14 @@ class Certifier {
     }
   }
 
-  bool look_at(std::span<const std::uint32_t> triangles) {
-    return for_each_chunk(
-        triangles, [&](std::span<const std::uint32_t> chunk, ProverCounts& counts) {
-          const std::vector<Finding> found = look_into(surface_, mesh_, shell_, chunk, counts);
-          for (std::size_t i = 0; i < chunk.size(); ++i) findings_[chunk[i]] = found[i];
-        });
+  bool look_at(std::span<const std::uint32_t> triangles, Question question) {
+    return for_each_chunk(triangles,
+                          [&](std::span<const std::uint32_t> chunk, ProverCounts& counts) {
+                            const std::vector<Finding> found =
+                                look_into(surface_, mesh_, shell_, chunk, question, counts);
+                            for (std::size_t i = 0; i < chunk.size(); ++i)
+                              findings_[chunk[i]] = found[i];
+                          });
   }
 
   /// Makes the shell thicker around triangles whose distance is in doubt; returns those that this

@@ -80,8 +80,12 @@ Piece quarter(const Piece& piece, std::size_t which) {
 class Prover {
  public:
   Prover(const ImplicitSurface& surface, const TriangleMesh& mesh, const OffsetShell& shell,
-         std::span<const std::uint32_t> triangles, ProverCounts& counts)
-      : mesh_(mesh), shell_(shell), triangles_(triangles), counts_(counts) {
+         std::span<const std::uint32_t> triangles, Question question, ProverCounts& counts)
+      : mesh_(mesh),
+        shell_(shell),
+        triangles_(triangles),
+        slopes_(question == Question::slopes),
+        counts_(counts) {
     for (std::size_t i = 0; i < triangles.size(); ++i) {
       wholes_.push_back(whole_prism(i));
       fans_.push_back(fan_of(i));
@@ -99,10 +103,13 @@ class Prover {
   std::vector<Finding> run() {
     std::vector<Piece> pieces;
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
+      if (slopes_ && !fans_[i].straight) {
+        findings_[i].doubt = Doubt::fold;
+        continue;
+      }
       pieces.push_back({i});
-      if (fans_[i].straight) continue;
-      pieces.back().slope = false;
-      findings_[i].doubt = Doubt::fold;
+      pieces.back().outer = pieces.back().inner = !slopes_;
+      pieces.back().slope = slopes_;
     }
     for (int cuts = 0; !pieces.empty(); ++cuts) {
       look_at(pieces);
@@ -320,6 +327,7 @@ class Prover {
   const TriangleMesh& mesh_;
   const OffsetShell& shell_;
   std::span<const std::uint32_t> triangles_;
+  bool slopes_ = false;
   ProverCounts& counts_;
   std::unique_ptr<ImplicitSurface> part_;
   std::vector<Whole> wholes_;
@@ -379,8 +387,8 @@ bool are_apart(const std::array<Vec3d, 6>& a, const std::array<Vec3d, 6>& b) {
 
 std::vector<Finding> look_into(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                const OffsetShell& shell, std::span<const std::uint32_t> triangles,
-                               ProverCounts& counts) {
-  return Prover(surface, mesh, shell, triangles, counts).run();
+                               Question question, ProverCounts& counts) {
+  return Prover(surface, mesh, shell, triangles, question, counts).run();
 }
 
 }  // namespace cs2mesh

@@ -49,10 +49,13 @@ std::array<Vec3d, 6> prism_corners(const TriangleMesh& mesh, const OffsetShell& 
 /// it could not be decided.
 bool are_apart(const std::array<Vec3d, 6>& a, const std::array<Vec3d, 6>& b);
 
+/// What to look for: where the surface is, first; that done, how it runs in there.
+enum class Question : std::uint8_t { signs, slopes };
+
 /// What is not proven of each of some triangles, which should be near each other. See certificate.h
 /// for what is proven.
 std::vector<Finding> look_into(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                const OffsetShell& shell, std::span<const std::uint32_t> triangles,
-                               ProverCounts& counts);
+                               Question question, ProverCounts& counts);
 
 }  // namespace cs2mesh

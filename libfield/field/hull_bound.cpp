@@ -51,11 +51,11 @@ HullBound Field::hull_bound(std::span<const Vec3d> points,
     LogHull hull(points, directions);
     for (const std::uint32_t i : list) hull.add(data_->terms[i]);
     hull.bound(bound);
-    // Of arcs little is known in the exponent.
-    const bool has_arcs = std::any_of(list.begin(), list.end(), [this](std::uint32_t i) {
-      return std::holds_alternative<Arc>(data_->terms[i].primitive);
+    // Of what is longer than its kernel the exponent says little.
+    const bool has_lengths = std::any_of(list.begin(), list.end(), [this](std::uint32_t i) {
+      return !std::holds_alternative<Point>(data_->terms[i].primitive);
     });
-    if (has_arcs && !(bound.slope > 0))
+    if (has_lengths && !(bound.slope > 0))
       bound.slope = std::max(bound.slope, slope_of_sum(*this, box, directions));
   } else {
     bound = ImplicitSurface::hull_bound(points, directions);
