@@ -71,11 +71,12 @@ struct CertifyOptions {
 
 /// `topology` is a proof for this surface. The mesh is closed, oriented, 2-manifold and does not
 /// cross itself (see check.h): that is taken for granted. Errors: Failure::interrupted. The same
-/// certificate for any number of threads. Some 15 evaluations a triangle where all goes well.
+/// certificate for any number of threads. Some 35 values and 25 gradients a triangle, of which 7
+/// tell how thick the shell is to be.
 ///
 /// Not promised: that what is in doubt is wrong. The proof is of the sum F itself, from which
 /// evaluations differ by rounding and the field's error budget; gradients are taken to be good to
-/// Tangent::kSlack.
+/// Tangent::kSlack; coordinates are those of the mesh, before a format rounds them.
 Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& mesh,
                             const TopologyProof& topology, const CertifyOptions& options);
 

@@ -50,7 +50,8 @@ class TopologyProof {
   /// near the surface for sums with bounds in the exponent.
   static Result<TopologyProof> build(const ImplicitSurface& surface, const Options& options);
 
-  /// All regions there can be, but for those within open leaves; `outside` comes first.
+  /// All regions there can be, but for those within open leaves; `outside` comes first. Paths step
+  /// over faces by 1e-12 of the root's side, which is taken to change no sign.
   std::vector<Region> regions(const KnownPoints& known) const;
   /// The open leaves.
   const std::vector<Aabb>& open() const { return open_; }
