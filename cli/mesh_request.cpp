@@ -39,8 +39,18 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
       ->type_name("HOW");
   app.add_flag("--verify", request.verify,
                "measure the result with rays before anything is written; status 5 if it is off");
+  CLI::Option* certify =
+      app.add_flag("--certify", request.certify,
+                   "prove that the mesh is within the tolerance and of the surface's topology; "
+                   "status 5, and no mesh, where any of it could not be proven");
+  CLI::Option* certificate =
+      app.add_option("--certificate", request.certificate,
+                     "prove it likewise, and write to this PLY file what could not be proven")
+          ->type_name("FILE");
   app.add_flag("--no-check{false}", request.self_intersections,
-               "leave out the search for self-intersections");
+               "leave out the search for self-intersections")
+      ->excludes(certify)
+      ->excludes(certificate);
 }
 
 void add_output_options(CLI::App& app, MeshRequest& request) {
@@ -111,6 +121,10 @@ void require_writable(const MeshRequest& request, Console& console) {
   if (request.dry_run) return;
   for (const std::string& path : request.outputs) console.take(OutputFiles::can_write(path));
   if (!request.report.empty()) console.take(OutputFiles::can_write(request.report));
+  if (!request.certificate.empty()) {
+    console.take(OutputFiles::has_extension(request.certificate, ".ply"));
+    console.take(OutputFiles::can_write(request.certificate));
+  }
 }
 
 }  // namespace cs2mesh

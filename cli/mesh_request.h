@@ -25,10 +25,13 @@ struct MeshRequest {
   std::string up;              ///< "y", "z" or "": the scene's
   bool dry_run = false;
   bool verify = false;
+  bool certify = false;
+  std::string certificate;  ///< a PLY of what is in doubt
   bool self_intersections = true;
   std::string report;
 
   bool wants(const std::string& attribute) const;
+  bool wants_certificate() const { return certify || !certificate.empty(); }
   MeshFileOptions file_options(const Scene& scene) const;
 };
 

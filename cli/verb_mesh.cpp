@@ -4,6 +4,7 @@
 #include <new>
 #include <optional>
 
+#include "cli/certify_parts.h"
 #include "cli/interrupt.h"
 #include "cli/load_scene.h"
 #include "cli/mesh_parts.h"
@@ -12,6 +13,7 @@
 #include "cli/output_files.h"
 #include "cli/verbs.h"
 #include "polygonize/part_request.h"
+#include "polygonize/ply.h"
 
 namespace cs2mesh {
 namespace {
@@ -116,6 +118,32 @@ void write_outputs(const Model& model, const Scene& scene, const MeshRequest& re
   console.take(files.commit());
 }
 
+/// Certifies the parts if that was asked for. With --certify throws Exit{kToleranceMissed}, the
+/// report delivered, if anything is in doubt.
+std::vector<PartCertificate> certify_if_asked(const MeshedScene& meshed,
+                                              const CompiledScene& compiled,
+                                              const Fineness& fineness, const MeshRequest& request,
+                                              Json report, Console& console) {
+  if (!request.wants_certificate()) return {};
+  std::vector<PartCertificate> certificates = certify_parts(meshed, compiled, fineness, console);
+  console.say(summary(certificates));
+  if (!request.certificate.empty()) {
+    const WhileWriting guard;
+    OutputFiles files;
+    console.take(files.write(request.certificate, [&](const std::string& at) {
+      return write_ply(picture_of_doubts(meshed, certificates), at);
+    }));
+    console.take(files.commit());
+  }
+  if (request.certify && any_doubt(certificates)) {
+    add_certificates(report, certificates);
+    deliver(report, request.report, console);
+    console.fail(Failure::tolerance, "not all of the mesh is certified; no mesh was written",
+                 {request.input.path, 0, 0});
+  }
+  return certificates;
+}
+
 Json to_json(const PartLog& log, Json part) {
   part["cell"] = log.cell;
   return part;
@@ -197,6 +225,9 @@ int mesh_scene(const MeshRequest& request, Console& console) {
 
   watch.start("extract");
   MeshedScene meshed = mesh_parts(compiled, scene, fineness, console);
+  if (request.wants_certificate()) watch.start("certify");
+  const std::vector<PartCertificate> certificates =
+      certify_if_asked(meshed, compiled, fineness, request, report, console);
   if (request.united) {
     watch.start("unite");
     unite_parts(meshed, compiled, fineness, console);
@@ -219,6 +250,7 @@ int mesh_scene(const MeshRequest& request, Console& console) {
   watch.stop();
 
   add_check(report, checked);
+  if (!certificates.empty()) add_certificates(report, certificates);
   add_parts(report, meshed, checked, request.united);
   add_costs(report, console);
   add_run(report, watch, console);

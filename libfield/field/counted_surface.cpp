@@ -114,6 +114,12 @@ Rise CountedSurface::rise(const Aabb& box, const Vec3d& gradient) const {
   return surface_->rise(box, gradient);
 }
 
+HullBound CountedSurface::hull_bound(std::span<const Vec3d> points,
+                                     std::span<const Vec3d> directions) const {
+  counter_->add(enclosed(1));
+  return surface_->hull_bound(points, directions);
+}
+
 double CountedSurface::derivative_bound(int order, const Aabb& box) const {
   counter_->add(enclosed(1));
   return surface_->derivative_bound(order, box);

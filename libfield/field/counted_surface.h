@@ -54,6 +54,8 @@ class CountedSurface final : public ImplicitSurface {
   std::array<Interval, 3> enclose_gradient(const Aabb& box) const override;
   double least_slope(const Aabb& box, const Vec3d& direction) const override;
   Rise rise(const Aabb& box, const Vec3d& gradient) const override;
+  HullBound hull_bound(std::span<const Vec3d> points,
+                       std::span<const Vec3d> directions) const override;
   bool has_cheap_bounds() const override { return surface_->has_cheap_bounds(); }
   double derivative_bound(int order, const Aabb& box) const override;
   Aabb bounds() const override { return surface_->bounds(); }

@@ -9,6 +9,7 @@
 #include "libfield/base/aabb.h"
 #include "libfield/base/interval.h"
 #include "libfield/base/jet2.h"
+#include "libfield/field/hull_bound.h"
 
 namespace cs2mesh {
 
@@ -20,18 +21,18 @@ inline double least_along(const std::array<Interval, 3>& bounds, const Vec3d& di
   return sum.lo;
 }
 
-/// A function F over space whose surface is {F = 0}; F >= 0 counts as inside, everywhere. Immutable
-/// and safe to use from any number of threads at once. Results depend on the point alone, not on
-/// the points it is evaluated with.
-///
-/// F is continuous and piecewise smooth (a Field may step by its error budget at the faces of its
-/// block lattice). Not promised: that F is a distance, or that its gradient vanishes nowhere.
 /// How fast a function grows along a direction, which need not be of length 1.
 struct Rise {
   Vec3d direction;
   double slope = 0.0;
 };
 
+/// A function F over space whose surface is {F = 0}; F >= 0 counts as inside, everywhere. Immutable
+/// and safe to use from any number of threads at once. Results depend on the point alone, not on
+/// the points it is evaluated with.
+///
+/// F is continuous and piecewise smooth (a Field may step by its error budget at the faces of its
+/// block lattice). Not promised: that F is a distance, or that its gradient vanishes nowhere.
 class ImplicitSurface {
  public:
   virtual ~ImplicitSurface() = default;
@@ -71,6 +72,11 @@ class ImplicitSurface {
   /// supports (from order 3 on) and the creases of solids (from order 2 on), or where none is
   /// known.
   virtual double derivative_bound(int order, const Aabb& box) const = 0;
+
+  /// How far F or its logarithm may bend down, and how fast it grows along each of the directions,
+  /// all over the convex hull of one to eight points.
+  virtual HullBound hull_bound(std::span<const Vec3d> points,
+                               std::span<const Vec3d> directions) const;
 
   /// A box that contains all of {F >= 0}; infinite sides where the set is unbounded.
   virtual Aabb bounds() const = 0;

@@ -150,6 +150,28 @@ class Meshing(SceneTest):
         plain = self.report(scene, "out.obj")
         self.assertEqual(report["evaluations"], plain["evaluations"])
 
+    def test_certify(self):
+        scene = self.file("ball.art", BALL)
+        report = self.report(scene, "out.obj", "--certify")
+        self.assertEqual(report["certified"], 1)
+        self.assertEqual(set(report["uncertified"].values()), {0})
+        self.assertEqual(report["listed"], [])
+
+    def test_what_is_not_certified_is_listed_and_drawn(self):
+        # A coarse lattice misses the tolerance by far.
+        scene = self.file("ball.art", BALL)
+        options = ("--cell", "0.3", "--json", "--certificate", "doubts.ply")
+        done = self.run_program(scene, "out.obj", *options, "--certify")
+        self.assertEqual(done.returncode, 5, done.stderr)
+        self.assertFalse((self.folder / "out.obj").exists())
+        report = json.loads(done.stdout)
+        self.assertLess(report["certified"], 1)
+        self.assertGreater(report["uncertified"]["distance"], 0)
+        self.assertEqual(report["listed"][0]["reason"], "distance")
+        self.assertTrue((self.folder / "doubts.ply").read_bytes().startswith(b"ply"))
+        self.succeed(scene, "out.obj", *options)
+        self.assertTrue((self.folder / "out.obj").exists())
+
     def test_quiet_means_quiet(self):
         scene = self.file("ball.art", BALL)
         done = self.succeed(scene, "out.obj", "--quiet")

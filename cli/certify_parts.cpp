@@ -1,0 +1,147 @@
+#include "cli/certify_parts.h"
+
+#include <array>
+#include <cstdio>
+
+#include "polygonize/part_request.h"
+
+namespace cs2mesh {
+namespace {
+
+constexpr std::array kReasons{Doubt::distance, Doubt::fold, Doubt::topology, Doubt::crease};
+
+/// Linear RGB: red, yellow, blue, magenta.
+Vec3<float> color_of(Doubt doubt) {
+  switch (doubt) {
+    case Doubt::distance:
+      return {0.8F, 0.02F, 0.02F};
+    case Doubt::fold:
+      return {0.8F, 0.6F, 0.0F};
+    case Doubt::topology:
+      return {0.02F, 0.1F, 0.8F};
+    default:
+      return {0.7F, 0.02F, 0.6F};
+  }
+}
+
+std::size_t count(const std::vector<PartCertificate>& certificates, Doubt doubt) {
+  std::size_t n = 0;
+  for (const auto& [name, certificate] : certificates) {
+    for (const UncertifiedPlace& place : certificate.places) n += place.doubt == doubt ? 1 : 0;
+  }
+  return n;
+}
+
+double share(const std::vector<PartCertificate>& certificates) {
+  double area = 0.0, certified = 0.0;
+  for (const auto& [name, certificate] : certificates) {
+    area += certificate.area;
+    certified += certificate.certified_area;
+  }
+  return area > 0 ? certified / area : 1.0;
+}
+
+void append_triangle(TriangleMesh& mesh, const std::array<Vec3d, 3>& corners) {
+  const auto first = static_cast<TriangleMesh::Index>(mesh.positions.size());
+  mesh.positions.insert(mesh.positions.end(), corners.begin(), corners.end());
+  mesh.triangles.push_back({first, first + 1, first + 2});
+}
+
+void append_box(TriangleMesh& mesh, const Aabb& box) {
+  constexpr int kFaces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+  for (const auto& face : kFaces) {
+    append_triangle(mesh, {box.corner(face[0]), box.corner(face[1]), box.corner(face[2])});
+    append_triangle(mesh, {box.corner(face[0]), box.corner(face[2]), box.corner(face[3])});
+  }
+}
+
+}  // namespace
+
+std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const CompiledScene& compiled,
+                                           const Fineness& fineness, Console& console) {
+  constexpr double kNeck = 1.0 / 64;  // of the thinnest radius: what necks and gaps are larger than
+  std::vector<PartCertificate> certificates;
+  for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
+    const Part& part = compiled.parts[meshed.parts_of[i].front()];
+    TopologyProof::Options proof;
+    proof.smallest = kNeck * length_scale(part);
+    proof.progress = &console.progress();
+    const TopologyProof topology = console.take(TopologyProof::build(*part.surface, proof));
+    CertifyOptions options;
+    options.tolerance = fineness.tolerance;
+    options.progress = &console.progress();
+    certificates.push_back(
+        {part.name,
+         console.take(certify(*part.surface, meshed.model.parts[i].mesh, topology, options))});
+  }
+  return certificates;
+}
+
+void add_certificates(Json& report, const std::vector<PartCertificate>& certificates) {
+  constexpr std::size_t kMost = 1000;
+  report["certified"] = share(certificates);
+  Json counts = Json::object();
+  for (const Doubt doubt : kReasons) counts[std::string(name(doubt))] = count(certificates, doubt);
+  report["uncertified"] = std::move(counts);
+  Json& listed = report["listed"];
+  for (const auto& [part, certificate] : certificates) {
+    for (std::size_t i = 0; i < std::min(kMost, certificate.places.size()); ++i) {
+      const UncertifiedPlace& place = certificate.places[i];
+      listed.push_back({{"position", to_json(place.position)},
+                        {"reason", name(place.doubt)},
+                        {"part", part},
+                        {"area", place.area}});
+    }
+  }
+}
+
+bool any_doubt(const std::vector<PartCertificate>& certificates) {
+  for (const auto& [name, certificate] : certificates) {
+    if (!certificate.places.empty()) return true;
+  }
+  return false;
+}
+
+std::string summary(const std::vector<PartCertificate>& certificates) {
+  char text[256];
+  std::snprintf(text, sizeof text, "%.4f %% of the area certified", 100 * share(certificates));
+  std::string line = text;
+  for (const Doubt doubt : kReasons) {
+    const std::size_t n = count(certificates, doubt);
+    if (n > 0) line += ", in doubt for " + std::string(name(doubt)) + ": " + std::to_string(n);
+  }
+  for (const auto& [part, certificate] : certificates) {
+    if (certificate.places.empty()) continue;
+    const Vec3d& at = certificate.places.front().position;
+    std::snprintf(text, sizeof text, ", the first at (%.9g, %.9g, %.9g)", at.x, at.y, at.z);
+    return line + text;
+  }
+  return line;
+}
+
+Model picture_of_doubts(const MeshedScene& meshed,
+                        const std::vector<PartCertificate>& certificates) {
+  Model model;
+  for (const Doubt doubt : kReasons) {
+    MeshPart part{std::string(name(doubt)), {}};
+    for (std::size_t i = 0; i < certificates.size(); ++i) {
+      const TriangleMesh& mesh = meshed.model.parts[i].mesh;
+      const Certificate& certificate = certificates[i].certificate;
+      for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+        if (certificate.doubts[t] != doubt) continue;
+        const auto& c = mesh.triangles[t];
+        append_triangle(part.mesh,
+                        {mesh.positions[c[0]], mesh.positions[c[1]], mesh.positions[c[2]]});
+      }
+      for (const UncertifiedPlace& place : certificate.places) {
+        if (place.doubt == doubt && place.area == 0) append_box(part.mesh, place.box);
+      }
+    }
+    part.mesh.colors.assign(part.mesh.positions.size(), color_of(doubt));
+    if (!part.mesh.empty()) model.parts.push_back(std::move(part));
+  }
+  return model;
+}
+
+}  // namespace cs2mesh

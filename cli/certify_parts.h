@@ -1,0 +1,36 @@
+// What of the meshes is proven: --certify and --certificate.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "cli/mesh_parts.h"
+#include "polygonize/certificate.h"
+
+namespace cs2mesh {
+
+struct PartCertificate {
+  std::string name;
+  Certificate certificate;
+};
+
+/// Certifies every part by itself, before parts are united. Throws Exit where that is interrupted
+/// or takes more cells than there may be.
+std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const CompiledScene& compiled,
+                                           const Fineness& fineness, Console& console);
+
+/// Adds `certified`, the share of the area, `uncertified`, how many places there are of each
+/// reason, and to `listed` the first 1000 of them of each part.
+void add_certificates(Json& report, const std::vector<PartCertificate>& certificates);
+
+/// Whether anything is in doubt.
+bool any_doubt(const std::vector<PartCertificate>& certificates);
+
+/// "99.98 % certified; 3 triangles or cells are not: distance 2, fold 1; the first at ...".
+std::string summary(const std::vector<PartCertificate>& certificates);
+
+/// The triangles in doubt, and the cells, as boxes: one part a reason, each of its own colour.
+Model picture_of_doubts(const MeshedScene& meshed,
+                        const std::vector<PartCertificate>& certificates);
+
+}  // namespace cs2mesh

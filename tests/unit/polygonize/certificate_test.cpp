@@ -1,0 +1,205 @@
+// Certificates: what is right is proven, what is wrong is not.
+#include "polygonize/certificate.h"
+
+#include <gtest/gtest.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+
+#include "libfield/base/check.h"
+#include "libfield/base/random.h"
+#include "libfield/field/field.h"
+#include "polygonize/adaptive_mesher.h"
+#include "polygonize/metrology.h"
+#include "tests/unit/polygonize/mesh_test_tools.h"
+
+namespace cs2mesh {
+namespace {
+
+Term term_over(Kernel kernel, Primitive primitive) {
+  Term term;
+  term.kernel = kernel;
+  term.primitive = std::move(primitive);
+  term.frame = frame_of(term.primitive);
+  return term;
+}
+
+/// A Gaussian ball: log F = b (1 - r^2 / radius^2).
+Term ball(const Vec3d& center, double radius, double b) {
+  return term_over(Gaussian{std::sqrt(b) / radius, b}, Point{center});
+}
+
+Field sphere() {
+  return Field({ball({}, 1.0, 2.0)}, 1e-9);
+}
+
+TopologyProof proof_of(const ImplicitSurface& surface, double smallest) {
+  TopologyProof::Options options;
+  options.smallest = smallest;
+  Result<TopologyProof> proof = TopologyProof::build(surface, options);
+  EXPECT_TRUE(proof);
+  return *std::move(proof);
+}
+
+TriangleMesh meshed(const ImplicitSurface& surface, double radius, double tolerance) {
+  MesherRequest request;
+  request.tolerance = tolerance;
+  request.thinnest_radius = radius;
+  Result<MesherResult> made = mesh_adaptive(surface, request);
+  EXPECT_TRUE(made && made->reached);
+  return std::move(made->mesh);
+}
+
+Certificate certified(const ImplicitSurface& surface, const TriangleMesh& mesh, double radius,
+                      double tolerance) {
+  CertifyOptions options;
+  options.tolerance = tolerance;
+  Result<Certificate> result = certify(surface, mesh, proof_of(surface, radius / 64), options);
+  EXPECT_TRUE(result);
+  return std::move(*result);
+}
+
+std::size_t count(const Certificate& certificate, Doubt doubt) {
+  return static_cast<std::size_t>(
+      std::count(certificate.doubts.begin(), certificate.doubts.end(), doubt));
+}
+
+TEST(Certificate, ProvesASphere) {
+  const Field surface = sphere();
+  for (const double tolerance : {0.03, 0.003}) {
+    const TriangleMesh mesh = meshed(surface, 1.0, tolerance);
+    const Certificate all = certified(surface, mesh, 1.0, tolerance);
+    EXPECT_EQ(all.share(), 1.0);
+    EXPECT_TRUE(all.places.empty());
+    EXPECT_NEAR(all.area, area(mesh), 1e-12 * all.area);
+  }
+}
+
+TEST(Certificate, ProvesATorusOfAnyKernelWithoutAnEnd) {
+  const Arc circle = make_arc({}, 1.0, {0, 0, 1}, 0, 360);
+  for (const Kernel& kernel : {Kernel(Gaussian{6.0, 2.0}), Kernel(Cauchy{6.0, 20.0})}) {
+    const Field surface({term_over(kernel, circle)}, 1e-9);
+    const TriangleMesh mesh = meshed(surface, 0.3, 0.02);
+    EXPECT_GT(certified(surface, mesh, 0.3, 0.024).share(), 0.999);
+  }
+}
+
+/// A mesh that is measured to be too far off must not be certified where it is.
+TEST(Certificate, DoubtsWhatIsTooFar) {
+  const Field surface = sphere();
+  const TriangleMesh good = test::sphere_mesh(3);
+  const double tolerance = 0.03;
+  ASSERT_EQ(certified(surface, good, 1.0, tolerance).share(), 1.0);
+  for (const double moved : {-2.0, 2.0}) {
+    TriangleMesh mesh = good;
+    const TriangleMesh::Index v = 17;
+    mesh.positions[v] *= 1 + moved * tolerance;
+    const Certificate certificate = certified(surface, mesh, 1.0, tolerance);
+    EXPECT_LT(certificate.share(), 1.0);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      const auto& corners = mesh.triangles[t];
+      const bool touches = std::find(corners.begin(), corners.end(), v) != corners.end();
+      EXPECT_EQ(certificate.doubts[t] == Doubt::distance, touches) << t;
+    }
+    ASSERT_EQ(certificate.places.size(), count(certificate, Doubt::distance));
+    EXPECT_LT(norm(certificate.places.front().position - mesh.positions[v]), 0.3);
+  }
+}
+
+TEST(Certificate, DoubtsASmallerTolerance) {
+  const Field surface = sphere();
+  const TriangleMesh mesh = test::sphere_mesh(3);
+  EXPECT_EQ(certified(surface, mesh, 1.0, 0.001).share(), 0.0);
+}
+
+TEST(Certificate, DoubtsWhatIsFoldedOver) {
+  const Field surface = sphere();
+  TriangleMesh mesh = test::sphere_mesh(3);
+  // A vertex slides over the surface beyond one of its neighbours: near, but folded over.
+  const auto& [v, neighbour, other] = mesh.triangles[40];
+  mesh.positions[v] = normalized(2.2 * mesh.positions[neighbour] - 1.2 * mesh.positions[v]);
+  const Certificate certificate = certified(surface, mesh, 1.0, 0.2);
+  EXPECT_GT(count(certificate, Doubt::fold) + count(certificate, Doubt::distance), 0U);
+}
+
+/// Two balls with a gap far below the tolerance, and the mesh of one alone: right where it is.
+TEST(Certificate, DoubtsAMissingComponent) {
+  const Field both({ball({-1.05, 0, 0}, 1.0, 20), ball({1.05, 0, 0}, 1.0, 20)}, 1e-9);
+  const TriangleMesh mesh = meshed(both, 1.0, 0.03);
+  const Certificate whole = certified(both, mesh, 1.0, 0.032);
+  EXPECT_GT(whole.share(), 0.99);
+  EXPECT_EQ(count(whole, Doubt::topology), 0U);
+  TriangleMesh half = mesh;
+  std::erase_if(half.triangles, [&](const auto& t) { return mesh.positions[t[0]].x > 0; });
+  const Certificate certificate = certified(both, half, 1.0, 0.032);
+  ASSERT_FALSE(certificate.places.empty());
+  EXPECT_EQ(certificate.places.back().doubt, Doubt::topology);
+  EXPECT_LT(norm(certificate.places.back().position - Vec3d{1.05, 0, 0}), 1.0);
+}
+
+TEST(Certificate, DoubtsWhatReachesIntoOpenLeaves) {
+  const Field surface = sphere();
+  const TriangleMesh mesh = test::sphere_mesh(3);
+  const TopologyProof proof = proof_of(surface, 10.0);
+  ASSERT_FALSE(proof.open().empty());
+  CertifyOptions options;
+  options.tolerance = 0.03;
+  const Result<Certificate> certificate = certify(surface, mesh, proof, options);
+  ASSERT_TRUE(certificate);
+  EXPECT_GT(count(*certificate, Doubt::topology), mesh.triangles.size() / 2);
+}
+
+/// Whatever is certified all over is near when measured, both ways.
+TEST(Certificate, WhatIsCertifiedIsNear) {
+  Random random(20, 1);
+  std::size_t whole = 0;
+  for (int round = 0; round < 6; ++round) {
+    std::vector<Term> terms;
+    for (int i = 0; i < 6; ++i) {
+      terms.push_back(ball(random.uniform() * random.direction(), random.uniform(0.2, 0.5),
+                           random.uniform(1, 12)));
+    }
+    const Field surface(std::move(terms), 1e-9);
+    const TriangleMesh mesh = meshed(surface, 0.2, 0.02);
+    const Certificate certificate = certified(surface, mesh, 0.2, 0.022);
+    EXPECT_GT(certificate.share(), 0.97);
+    if (certificate.share() < 1) continue;
+    ++whole;
+    MeasureOptions options;
+    options.samples = 5000;
+    EXPECT_LE(measure(surface, mesh, options).max(), 0.022);
+  }
+  EXPECT_GT(whole, 0U);
+}
+
+TEST(Certificate, IsTheSameForAnyNumberOfThreads) {
+  const Field surface({ball({-0.5, 0, 0}, 1.0, 4), ball({0.6, 0, 0}, 0.7, 6)}, 1e-9);
+  const TriangleMesh mesh = meshed(surface, 0.7, 0.02);
+  std::vector<std::vector<Doubt>> doubts;
+  for (const int threads : {1, 2, 5}) {
+    const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+    doubts.push_back(certified(surface, mesh, 0.7, 0.02).doubts);
+  }
+  EXPECT_EQ(doubts[0], doubts[1]);
+  EXPECT_EQ(doubts[0], doubts[2]);
+}
+
+TEST(Certificate, WantsATolerance) {
+  EXPECT_THROW((void)certify(sphere(), test::sphere_mesh(0), proof_of(sphere(), 0.1), {}),
+               ContractViolation);
+}
+
+TEST(Certificate, AnEmptyMeshIsRightOfNothingAlone) {
+  CertifyOptions options;
+  options.tolerance = 1.0;
+  const Field nothing({term_over(Gaussian{1.0, -1.0}, Point{})}, 1e-9);
+  const Result<Certificate> right = certify(nothing, {}, proof_of(nothing, 0.1), options);
+  ASSERT_TRUE(right);
+  EXPECT_TRUE(right->places.empty());
+  const Result<Certificate> wrong = certify(sphere(), {}, proof_of(sphere(), 0.1), options);
+  ASSERT_TRUE(wrong);
+  EXPECT_EQ(wrong->places.size(), 1U);
+}
+
+}  // namespace
+}  // namespace cs2mesh
