@@ -167,7 +167,7 @@ TEST(SquaredEdge, OverTheTriangleIsExact) {
   for (const double z : {1e-9, 1e-3, 0.2, 1.0, 7.0}) {
     for (const double e : {1e-12, 1e-3, 0.4, 2.0}) {
       for (const double t1 : {-1.0, -0.2, 0.0, 0.6}) {
-        for (const double length : {1e-3, 0.5, 1.5})
+        for (const double length : {1e-9, 0.5, 1.5})
           expect_squared_edge(z, 0.0, e, t1, t1 + length);
       }
     }
