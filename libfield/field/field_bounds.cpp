@@ -207,8 +207,7 @@ void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Inte
     const Interval log_range = sums[i].range(boxes[i]);
     // Where an exponent is cut off, F is no less than that.
     const double least = std::min(log_range.lo, Gaussian::kGreatestExponent);
-    const Interval range(std::exp(least) * (1 - 1e-13),
-                         std::exp(log_range.hi) * (1 + 1e-13));
+    const Interval range(std::exp(least) * (1 - 1e-13), std::exp(log_range.hi) * (1 + 1e-13));
     out[i] = widened(range - Interval(kThreshold), data_->error_budget);
   }
 }
