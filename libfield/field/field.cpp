@@ -173,6 +173,20 @@ void collect_far_fields(FieldData& data) {
   }
 }
 
+/// Which way of bounding suits the terms.
+void choose_bounds(FieldData& data) {
+  constexpr std::size_t kFewTerms = 24, kMostNear = 5000;
+  const std::size_t count = data.terms.size();
+  const auto all = [&](const auto& has) {
+    return std::all_of(data.terms.begin(), data.terms.end(), has);
+  };
+  data.near_sums = !data.in_exponents && count <= kMostNear &&
+                   (all(has_cheap_near_bounds) || (count <= kFewTerms && all(has_near_bounds)));
+  data.cheap_bounds =
+      data.in_exponents || data.near_sums ||
+      (count <= kFewTerms && all([](const Term& term) { return term.profiles.empty(); }));
+}
+
 }  // namespace
 
 Field::Field(std::vector<Term> terms, double error_budget) {
@@ -200,12 +214,7 @@ Field::Field(std::vector<Term> terms, double error_budget) {
   data->positive = std::all_of(data->terms.begin(), data->terms.end(),
                                [](const Term& term) { return term.sign > 0; });
   data->in_exponents = std::all_of(data->terms.begin(), data->terms.end(), has_log_bounds);
-  data->near_sums =
-      !data->in_exponents && std::all_of(data->terms.begin(), data->terms.end(), has_near_bounds);
-  constexpr std::size_t kFewTerms = 24;
-  data->cheap_near_sums = data->near_sums && (data->terms.size() <= kFewTerms ||
-                                              std::all_of(data->terms.begin(), data->terms.end(),
-                                                          has_cheap_near_bounds));
+  choose_bounds(*data);
   collect_far_fields(*data);
   data_ = std::move(data);
 }

@@ -329,7 +329,7 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
 }
 
 bool Field::has_cheap_bounds() const {
-  return data_->in_exponents || data_->cheap_near_sums;
+  return data_->cheap_bounds;
 }
 
 double Field::derivative_bound(int order, const Aabb& box) const {

@@ -56,11 +56,11 @@ struct FieldData {
   std::array<std::uint32_t, kAllKernels.size() + 1> point_begin{};
   double error_budget = 0.0;
   Aabb bounds;
-  bool in_exponents = false;     ///< all terms have has_log_bounds()
-  bool near_sums = false;        ///< else all terms have has_near_bounds()
-  bool cheap_near_sums = false;  ///< and few or has_cheap_near_bounds()
-  bool positive = false;         ///< no term is subtracted
-  BoxTree reach;  ///< where each plain term's influence exceeds its share of the budget
+  bool in_exponents = false;  ///< all terms have has_log_bounds()
+  bool near_sums = false;     ///< small boxes are bounded by a NearSum
+  bool cheap_bounds = false;  ///< as in has_cheap_bounds()
+  bool positive = false;      ///< no term is subtracted
+  BoxTree reach;              ///< where each plain term's influence exceeds its share of the budget
   BlockLattice lattice;
 };
 

@@ -34,9 +34,8 @@ double along(const Vec3d& g, const Vec3d& half) {
   return std::abs(g.x) * half.x + std::abs(g.y) * half.y + std::abs(g.z) * half.z;
 }
 
-}  // namespace
-
-bool has_near_bounds(const Term& term) {
+/// Whether the term can be known in the exponent where it is not near an edge.
+bool may_have_exponent(const Term& term) {
   constexpr double kMostAmplitude = 500.0, kMostCondition = 1e4;
   if (!term.profiles.empty() || std::holds_alternative<Plane>(term.primitive) ||
       std::holds_alternative<TaperedSegment>(term.primitive)) {
@@ -49,12 +48,17 @@ bool has_near_bounds(const Term& term) {
   return triangle == nullptr || condition_number(*triangle) < kMostCondition;
 }
 
-bool has_cheap_near_bounds(const Term& term) {
+}  // namespace
+
+bool has_near_bounds(const Term& term) {
   const bool reaches_everywhere =
       std::visit([](const auto& kernel) { return std::isinf(kernel.support()); }, term.kernel);
-  return has_near_bounds(term) &&
-         (std::holds_alternative<Point>(term.primitive) ||
-          (reaches_everywhere && !std::holds_alternative<Triangle>(term.primitive)));
+  return may_have_exponent(term) &&
+         (reaches_everywhere || std::holds_alternative<Point>(term.primitive));
+}
+
+bool has_cheap_near_bounds(const Term& term) {
+  return has_near_bounds(term) && !std::holds_alternative<Triangle>(term.primitive);
 }
 
 namespace {
@@ -203,7 +207,7 @@ struct NearSum::Builder {
     const Place place = visit_pair(term, [&](const auto& kernel, const auto& primitive) {
       const Reach r = reach(term, primitive, local);
       if (r.near > kernel.support()) return Place::nowhere;
-      if (!has_near_bounds(term)) return Place::other;
+      if (!may_have_exponent(term)) return Place::other;
       if (is_far(kernel, primitive, local, r)) {
         add_far(term, kernel, primitive, local, r);
         return Place::far;

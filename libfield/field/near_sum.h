@@ -25,13 +25,11 @@
 
 namespace cs2mesh {
 
-/// Whether a term is bounded in the exponent where it is steep: without a profile, over a point, a
-/// segment, an arc or a triangle that is no sliver.
+/// Whether a sum of a few such terms is best bounded as a NearSum: without profiles, of a kernel
+/// that reaches everywhere over a segment, an arc or a triangle that is no sliver, or of any over a
+/// point. (Near the edges of supports, all the pieces of others would be bounded one by one.)
 bool has_near_bounds(const Term& term);
-
-/// Whether bounds of sums of many such terms are cheap, too: over a point, or a kernel that reaches
-/// everywhere over a segment or an arc. (Triangles are cut into too many pieces; near the edges of
-/// supports, pieces are bounded one by one.)
+/// Whether sums of thousands are cheap, too: not of triangles, which are cut into too many pieces.
 bool has_cheap_near_bounds(const Term& term);
 
 /// Immutable.
