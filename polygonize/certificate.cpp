@@ -320,6 +320,10 @@ std::size_t component_count(const TriangleMesh& mesh) {
   return count;
 }
 
+bool leaves_sign_open(Doubt doubt) {
+  return doubt == Doubt::distance || doubt == Doubt::crease;
+}
+
 /// Regions that the mesh does not account for: it parts space in one more than it has components.
 /// The layers of the shell are of one region as far as their triangles are certified.
 std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& topology,
@@ -336,7 +340,7 @@ std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& to
   known.inside.resize(known.points.size(), true);
   std::vector<bool> certified(mesh.positions.size(), false);
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (doubts[t] == Doubt::distance || doubts[t] == Doubt::crease) continue;
+    if (leaves_sign_open(doubts[t])) continue;
     const auto& [a, b, c] = mesh.triangles[t];
     certified[a] = certified[b] = certified[c] = true;
     for (const std::uint32_t first : {0U, inner}) {
@@ -351,13 +355,19 @@ std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& to
     known.points[v] = known.points[inner + v] = {kNowhere, kNowhere, kNowhere};
   }
   std::vector<TopologyProof::Region> regions = topology.regions(known);
-  const std::size_t expected = component_count(mesh) + 1;
-  if (regions.size() <= expected) return {};
   // Those that hold nothing of the shell first.
   std::stable_sort(regions.begin() + 1, regions.end(),
                    [](const auto& a, const auto& b) { return a.known < b.known; });
+  const std::size_t expected = component_count(mesh) + 1;
+  std::size_t count = regions.size() > expected ? regions.size() - expected : 0;
+  // A component in doubt may stand for none, and so make up for one that the mesh lacks.
+  if (std::any_of(doubts.begin(), doubts.end(), leaves_sign_open)) {
+    const auto is_unknown = [](const auto& region) { return !region.known; };
+    const auto unknown = std::count_if(regions.begin() + 1, regions.end(), is_unknown);
+    count = std::max(count, static_cast<std::size_t>(unknown));
+  }
   std::vector<Aabb> lost;
-  for (std::size_t i = 1; i <= regions.size() - expected; ++i) lost.push_back(regions[i].leaf);
+  for (std::size_t i = 1; i <= count; ++i) lost.push_back(regions[i].leaf);
   return lost;
 }
 
