@@ -25,7 +25,7 @@ constexpr double kSmall = 8.0;
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
-constexpr double kRefined = 0.88, kLost = 0.75, kAccept = 0.96;
+constexpr double kRefined = 0.88, kLost = 0.75, kAccept = 0.97;
 
 /// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
@@ -68,6 +68,7 @@ class Adaptive {
     MesherResult best;
     best.error = HUGE_VAL;
     std::size_t aim = 0;
+    bool untangle = false;
     for (int attempt = 0; attempt < kMostAttempts && aim < std::size(kAims); ++attempt) {
       begin("first mesh");
       const OctreeMesh first = mesh_octree(surface_, *tree);
@@ -75,14 +76,18 @@ class Adaptive {
       log_.jets += first.evaluations;
       if (log_.first_triangles > request_.max_triangles) return too_many();
       ++log_.attempts;
-      MesherResult result = fit(*tree, first, kAims[aim]);
+      MesherResult result = fit(*tree, first, kAims[aim], untangle);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       if (result.error < best.error) best = std::move(result);
-      if (best.error <= kAccept * request_.tolerance || !provable_) break;
+      if (best.error <= kAccept * request_.tolerance) break;
+      if (!provable_ && (untangle || best.error < HUGE_VAL)) break;
       // Smaller cells where it went wrong; if there are none, smaller triangles everywhere.
       const Result<std::size_t> cut = tree->cut_near(trouble_);
       if (!cut) return Result<MesherResult>::failure(cut.diagnostics());
-      if (*cut == 0 || attempt >= kMostCuts) ++aim;
+      if (*cut == 0 || attempt >= kMostCuts) {
+        aim += untangle ? 1 : 0;
+        untangle = true;
+      }
       look_at(*tree);
     }
     const double enough = (provable_ ? 1.0 : kAccept) * request_.tolerance;
@@ -131,22 +136,13 @@ class Adaptive {
     return *std::move(lattice_);
   }
 
-  /// The first mesh made to fit that part of the tolerance; where its triangles cross, once more
-  /// with a look at that from the beginning. Its error is infinite where they cross for all that.
-  MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, double aim) {
+  /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
+  /// cross; `untangle` looks for that from the beginning, which is dear.
+  MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, double aim, bool untangle) {
     RemeshOptions remeshing;
     remeshing.tolerance = aim * request_.tolerance;
+    remeshing.untangle = untangle;
     remeshing.progress = request_.progress;
-    MesherResult result = fit(tree, first, remeshing);
-    if (result.error < HUGE_VAL || result.mesh.empty() || cancelled(request_.progress)) {
-      return result;
-    }
-    remeshing.untangle = true;
-    return fit(tree, first, remeshing);
-  }
-
-  MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first,
-                   const RemeshOptions& remeshing) {
     RemeshStatistics remeshed;
     MesherResult result;
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);
@@ -194,7 +190,9 @@ class Adaptive {
         return std::max(largest_distance(lost), kRefined * request_.tolerance);
       }
       refinement.first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
-      whole = lost.empty() || insert_points(mesh, lost).empty();
+      const bool changed = !lost.empty() && !insert_points(mesh, lost).empty();
+      if (whole && !changed) return largest_distance(lost);
+      whole = !changed;
       if (whole) refinement.first_new = 0;
     }
     return HUGE_VAL;
