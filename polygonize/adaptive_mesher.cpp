@@ -27,6 +27,9 @@ constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
 constexpr double kRefined = 0.88, kLost = 0.75, kAccept = 0.97;
 
+/// Where the octree proves little, the first mesh tells what there is, and has to be finer.
+constexpr double kCloseLook = 2.5;
+
 /// Necks and gaps between smooth blobs are larger than the smallest side, seen from the blobs.
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
 SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
@@ -34,6 +37,7 @@ SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
   SurfaceOctreeOptions options;
   options.tolerance = request.tolerance;
   options.prove = prove;
+  if (!prove) options.coarseness = kCloseLook;
   options.smallest = std::min(kShare * request.tolerance, kNeck * request.thinnest_radius);
   if (!prove) {
     const double lattice =
@@ -64,6 +68,11 @@ class Adaptive {
       lattice_.emplace(mesh_by_lattice(surface_, request_));
       if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
+      SurfaceOctreeOptions closer = octree_options(request_, true);
+      closer.coarseness = kCloseLook;
+      tree = SurfaceOctree::build(surface_, closer);
+      if (!tree) return Result<MesherResult>::failure(tree.diagnostics());
+      look_at(*tree);
     }
     MesherResult best;
     best.error = HUGE_VAL;

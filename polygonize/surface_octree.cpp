@@ -27,13 +27,11 @@ bool may_hold_zero(const Interval& f) {
   return !(f.lo > 0 || f.hi < 0);
 }
 
-/// Whether equilateral triangles of that side stay within the tolerance where normals turn by
-/// `turn` a length: one with its corners on a sphere is that far off in its middle. (Those of the
+/// Whether a cell of that side suits normals that turn by `turn` a length. (The triangles of the
 /// first mesh have shorter edges. Where the surface turns within less than a side, as in a groove,
 /// `turn` is an average, and so is this.)
-bool fits(double side, double turn, double tolerance) {
-  constexpr double kEdges = 6.0;
-  return turn * side * side <= kEdges * tolerance;
+bool fits(double side, double turn, const SurfaceOctreeOptions& options) {
+  return turn * side * side <= options.coarseness * options.tolerance;
 }
 
 /// The cube in which the octree begins: the bounds with room for a leaf of air around, and off
@@ -217,7 +215,7 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
                       turn_between(normal, at, normalized(other.jet.gradient), boxes[j].center()));
     }
     const bool small = octree_[cell].level + 1 >= kLeastLevel && side <= options.largest &&
-                       fits(side, turn, options.tolerance);
+                       fits(side, turn, options);
     // Along its normal at the centre, so that the surface turns by less than a right angle from
     // there: triangles across a groove would be too hard to mend.
     if (options.prove && (small || !may_cut)) {

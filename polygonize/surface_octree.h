@@ -24,6 +24,9 @@ struct SurfaceOctreeOptions {
   /// Whether to prove the surface simple. If not, cells are cut by the estimate of the curvature
   /// alone, and leaves are empty or open: for surfaces whose bounds are too dear or too wide.
   bool prove = true;
+  /// A cell's side squared, times how much normals turn a length there, is at most so many
+  /// tolerances: with 6, an equilateral triangle with such sides stays within the tolerance.
+  double coarseness = 6.0;
   std::size_t max_cells = 200'000'000;
   Progress* progress = nullptr;
 };

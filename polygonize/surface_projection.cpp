@@ -368,7 +368,8 @@ std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
     q += step;
     const double distance = norm(q - p);
     if (!(distance <= kFarthest * first) || !box.contains(q)) return std::nullopt;
-    if (norm(step) <= kConverged * distance) return q;
+    // Where hardly any of the field is left its logarithm makes short steps, too.
+    if (first_order_distance(jet, HUGE_VAL) <= kConverged * distance) return q;
   }
   return std::nullopt;
 }

@@ -92,10 +92,10 @@ inline Look look_of(const TriangleMesh& mesh, std::size_t triangle, const Jet& j
 /// The points of that look beyond the sample point.
 inline std::vector<Vec3d> more_points(const TriangleMesh& mesh, std::size_t triangle, Look look) {
   std::vector<Vec3d> points;
-  if (look == Look::closer) {
-    const auto few = closer_points(mesh, triangle);
-    points.assign(few.begin(), few.end());
-  } else if (look == Look::all_over) {
+  if (look == Look::enough) return points;
+  const auto few = closer_points(mesh, triangle);
+  points.assign(few.begin(), few.end());
+  if (look == Look::all_over) {
     constexpr int kSteps = 9;
     const auto& t = mesh.triangles[triangle];
     const Vec3d &a = mesh.positions[t[0]], &b = mesh.positions[t[1]], &c = mesh.positions[t[2]];

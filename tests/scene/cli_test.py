@@ -103,7 +103,7 @@ class Meshing(SceneTest):
             counted = sum(stage[key] for stage in report["stages"])
             self.assertEqual(counted, report["evaluations"][key])
         names = [stage["stage"] for stage in report["stages"]]
-        for stage in ("parse", "compile", "octree", "remesh", "refine", "measure", "export"):
+        for stage in ("parse", "compile", "octree", "remesh", "refine", "export"):
             self.assertIn(stage, names)
         self.assertGreater(report["peak_memory_bytes"], 1 << 20)
         for output in report["outputs"]:
