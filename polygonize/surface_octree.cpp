@@ -280,17 +280,19 @@ std::vector<Octree::Index> numbers_of(const std::vector<bool>& chosen) {
 
 }  // namespace
 
-/// Chooses the largest leaves of a dual cell, of those that may hold surface, if they may be cut.
-void SurfaceOctree::choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
+/// Chooses the largest leaves of a dual cell, of those that may hold surface; false if they may not
+/// be cut.
+bool SurfaceOctree::choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
                                    std::vector<bool>& chosen) const {
   int level = Octree::kMostLevels;
   for (const Index leaf : cell) {
     if (kinds_[leaf] != LeafKind::empty) level = std::min<int>(level, octree_[leaf].level);
   }
-  if (octree_.side(level) < 2 * options.smallest) return;
+  if (octree_.side(level) < 2 * options.smallest) return false;
   for (const Index leaf : cell) {
     if (kinds_[leaf] != LeafKind::empty && octree_[leaf].level == level) chosen[leaf] = true;
   }
+  return true;
 }
 
 /// The largest leaves of dual cells that the surface seems to cut in several pieces, and leaves
@@ -311,19 +313,24 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(
   return numbers_of(chosen);
 }
 
-/// Whether the surface in a dual cell is a graph or nothing, as far as can be proven: in the box of
-/// what of it lies in leaves that may hold surface.
+/// Whether the surface in a dual cell is a graph or nothing, as far as can be proven: in a box
+/// around what of the cell lies in leaves that may hold surface.
 bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
-  Aabb box;
+  Aabb centers, leaves;
   Vec3d direction{};
   Index largest = 0;
+  bool one_simple = true;  // leaf, which is known to hold one sheet
   for (const Index leaf : cell) {
+    centers.include(octree_.center(leaf));
     if (kinds_[leaf] == LeafKind::empty) continue;
-    box.include(octree_.center(leaf));
+    one_simple =
+        one_simple && kinds_[leaf] == LeafKind::simple && (largest == 0 || largest == leaf);
+    leaves.include(octree_.box(leaf));
     direction += normalized(jets_[leaf].gradient);
     if (largest == 0 || octree_[leaf].level < octree_[largest].level) largest = leaf;
   }
-  box.include(octree_.point(meeting_point(octree_, cell)));
+  if (one_simple) return true;
+  const Aabb box{max(centers.min, leaves.min), min(centers.max, leaves.max)};
   const ImplicitSurface& surface =
       surface_box(largest).contains(box) ? surface_at(largest) : *surfaces_.front();
   Grower grower{surface, direction};
@@ -332,20 +339,21 @@ bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
   return grows;
 }
 
-/// The largest leaves of dual cells that are not simple, of those around leaves from `first_new` on
-/// that may hold surface.
+/// The largest leaves of dual cells that are not simple, of those around leaves from `first_new`
+/// on. Leaves that are too small to be cut for it are open.
 std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
                                                          const SurfaceOctreeOptions& options) {
   std::vector<bool> marked(octree_.size(), false);
   for (std::size_t i = octree_.size(); i-- > 0;) {
     const auto cell = static_cast<Index>(i);
     if (octree_.is_leaf(cell)) {
-      marked[i] = i >= first_new && kinds_[i] != LeafKind::empty;
+      marked[i] = i >= first_new;
     } else {
       for (int c = 0; c < 8; ++c) marked[i] = marked[i] || marked[octree_.child(cell, c)];
     }
   }
   const std::vector<DualCell> cells = dual_cells_around(octree_, marked);
+  std::vector<bool> chosen(octree_.size(), false);
   std::vector<char> simple(cells.size(), 1);
   constexpr std::size_t kChunk = 256;
   std::vector<std::size_t> slopes((cells.size() + kChunk - 1) / kChunk, 0);
@@ -356,10 +364,11 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
     }
   });
   counts_.slopes += std::accumulate(slopes.begin(), slopes.end(), std::size_t{0});
-  std::vector<bool> chosen(octree_.size(), false);
   for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (simple[i] != 0) continue;
-    choose_largest(cells[i], options, chosen);
+    if (simple[i] != 0 || choose_largest(cells[i], options, chosen)) continue;
+    for (const Index leaf : cells[i]) {
+      if (kinds_[leaf] != LeafKind::empty) kinds_[leaf] = LeafKind::open;
+    }
   }
   return numbers_of(chosen);
 }

@@ -35,7 +35,7 @@ struct SurfaceOctreeOptions {
 enum class LeafKind : std::uint8_t {
   empty,   ///< F has no zero in it: proven, or without proof by the look of it
   simple,  ///< proven: F grows all along one direction in it, so the surface is one sheet, a graph
-  open,    ///< neither could be shown at the smallest side
+  open,    ///< neither could be shown at the smallest side, or not of a dual cell around it
 };
 
 /// An octree over the bounds of a surface, each leaf on the side of F at its centre.
@@ -89,7 +89,7 @@ class SurfaceOctree {
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
   void take(Index cell, const Opened& opened, std::vector<Index>& open);
   std::vector<Index> unclear(const SurfaceOctreeOptions& options) const;
-  void choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
+  bool choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
                       std::vector<bool>& chosen) const;
   std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
   bool is_simple(const DualCell& cell, std::size_t& slopes) const;

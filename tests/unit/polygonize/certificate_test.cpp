@@ -19,7 +19,7 @@ namespace {
 Term term_over(Kernel kernel, Primitive primitive) {
   Term term;
   term.kernel = kernel;
-  term.primitive = std::move(primitive);
+  term.primitive = primitive;
   term.frame = frame_of(term.primitive);
   return term;
 }

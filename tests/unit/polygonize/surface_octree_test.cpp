@@ -119,6 +119,47 @@ std::pair<std::size_t, std::size_t> components_and_open(double gap) {
   return {report.components, log.open_leaves};
 }
 
+/// Balls of many sizes, most of which touch others.
+Result<CompiledScene> random_balls(Random& random) {
+  Scene scene;
+  for (int size = 0; size < 3; ++size) {
+    Material material;
+    material.name = std::string(1, static_cast<char>('a' + size));
+    material.kernel = KernelKind::gaussian;
+    material.radius = std::pow(3.0, -size);
+    material.blobbiness = -6;
+    scene.materials.push_back(material);
+    const int count = size == 0 ? 1 : 12 * size;
+    for (int i = 0; i < count; ++i) {
+      Element element;
+      element.material = size;
+      element.skeleton = Point{(size == 0 ? 0.0 : 1.0 + *material.radius) * random.direction()};
+      scene.elements.push_back(element);
+    }
+  }
+  return compile(scene);
+}
+
+TEST(AdaptiveMesher, ProvenTopologiesAreTheSameAtEveryTolerance) {
+  Random random(9, 1);
+  for (int round = 0; round < 8; ++round) {
+    const Result<CompiledScene> compiled = random_balls(random);
+    std::vector<std::array<std::size_t, 2>> found;
+    for (const double tolerance : {0.08, 0.02}) {
+      MesherRequest request;
+      request.tolerance = tolerance;
+      request.thinnest_radius = compiled->parts[0].thinnest_radius;
+      AdaptiveStatistics log;
+      const Result<MesherResult> made = mesh_adaptive(*compiled->parts[0].surface, request, &log);
+      ASSERT_TRUE(made);
+      if (log.open_leaves > 0) continue;
+      const MeshReport report = check(made->mesh);
+      found.push_back({report.components, static_cast<std::size_t>(report.genus)});
+    }
+    for (const auto& topology : found) EXPECT_EQ(topology, found.front()) << "scene " << round;
+  }
+}
+
 TEST(AdaptiveMesher, GapsFarBelowTheToleranceStayOpen) {
   EXPECT_EQ(components_and_open(0.06), (std::pair<std::size_t, std::size_t>(8, 0)));
 }
