@@ -26,7 +26,7 @@ struct SurfaceOctreeOptions {
   bool prove = true;
   /// A cell's side squared, times how much normals turn a length there, is at most so many
   /// tolerances: with 6, an equilateral triangle with such sides stays within the tolerance.
-  double coarseness = 4.0;
+  double coarseness = 6.0;
   std::size_t max_cells = 200'000'000;
   Progress* progress = nullptr;
 };
