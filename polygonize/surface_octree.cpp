@@ -331,9 +331,9 @@ bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
   }
   if (one_simple) return true;
   const Aabb box{max(centers.min, leaves.min), min(centers.max, leaves.max)};
-  const ImplicitSurface& surface =
-      surface_box(largest).contains(box) ? surface_at(largest) : *surfaces_.front();
-  Grower grower{surface, direction};
+  std::unique_ptr<const ImplicitSurface> own;
+  if (!surface_box(largest).contains(box)) own = surfaces_.front()->restrict_to(box);
+  Grower grower{own ? *own : surface_at(largest), direction};
   const bool grows = grower.grows_somehow(box);
   slopes += grower.slopes;
   return grows;
