@@ -104,17 +104,17 @@ class Certifier {
   /// False if cancelled.
   bool run() {
     if (!shape_shell()) return false;
-    std::vector<std::uint32_t> todo = order_;
-    for (int round = 0; !todo.empty(); ++round) {
-      if (!look_at(todo, Question::signs)) return false;
+    std::vector<std::uint32_t> open = order_;
+    for (int round = 0; !open.empty(); ++round) {
+      if (!look_at(open, Question::signs)) return false;
       if (round == kThickenings) break;
-      todo = thickened();
+      open = thickened();
     }
-    todo.clear();
+    open.clear();
     for (const std::uint32_t t : order_) {
-      if (findings_[t].doubt == Doubt::none) todo.push_back(t);
+      if (findings_[t].doubt == Doubt::none) open.push_back(t);
     }
-    if (!look_at(todo, Question::slopes)) return false;
+    if (!look_at(open, Question::slopes)) return false;
     settle_folds();
     return true;
   }
@@ -230,12 +230,12 @@ class Certifier {
       if (outer[v]) thicken(v, shell_.outer[v]);
       if (inner[v]) thicken(v, shell_.inner[v]);
     }
-    std::vector<std::uint32_t> todo;
+    std::vector<std::uint32_t> open;
     for (const std::uint32_t t : order_) {
       const auto& c = mesh_.triangles[t];
-      if (changed[c[0]] || changed[c[1]] || changed[c[2]]) todo.push_back(t);
+      if (changed[c[0]] || changed[c[1]] || changed[c[2]]) open.push_back(t);
     }
-    return todo;
+    return open;
   }
 
   /// Where the gradients leave open whether layers can meet, their prisms tell: those of neighbours

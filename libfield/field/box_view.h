@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libfield/field/quadratic_range.h"
 #include "libfield/field/term_visit.h"
 #include "libfield/integral/bound.h"
 #include "libfield/primitive/nearest_point.h"
@@ -75,7 +76,7 @@ inline double distance_to_arc(const ArcFrame<double>& arc, const Vec3d& p) {
 /// How far a box of those half edges in the scene extends along a direction in local coordinates.
 inline double extent_along(const Term& term, const Vec3d& direction, const Vec3d& half) {
   const Vec3d way = term.to_local ? transpose(term.to_local->linear) * direction : direction;
-  return std::abs(way.x) * half.x + std::abs(way.y) * half.y + std::abs(way.z) * half.z;
+  return extent_along(way, half);
 }
 
 /// The least (p - v) . direction over the vertices of a convex primitive.

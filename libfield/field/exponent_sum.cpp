@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "libfield/field/quadratic_range.h"
 #include "libfield/simd/vmath.h"
 
 namespace cs2mesh {
@@ -12,21 +13,6 @@ namespace {
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Of what is computed here.
 constexpr double kRounding = 1e-13;
-
-double along(const Vec3d& g, const Vec3d& half) {
-  return std::abs(g.x) * half.x + std::abs(g.y) * half.y + std::abs(g.z) * half.z;
-}
-
-/// The greatest g . d - bend / 2 |d|^2 over |d| <= half, axis by axis; bend >= 0.
-double highest(const Vec3d& g, double bend, const Vec3d& half) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double slope = std::abs(g[i]);
-    const double t = slope < bend * half[i] ? slope / bend : half[i];
-    sum += t * (slope - 0.5 * bend * t);
-  }
-  return sum;
-}
 
 /// What phi may rise above its tangent.
 double rise(const Exponent& term, double squared_radius) {
@@ -50,13 +36,13 @@ Interval Exponent::range(const BatchBox& box) const {
   const double squared = box.radius * box.radius;
   const double slack = rounding + kRounding * std::abs(phi);
   const double up = highest(gradient, std::max(0.0, least), box.half) + rise(*this, squared);
-  const double down = along(gradient, box.half) + 0.5 * std::max(0.0, most) * squared;
+  const double down = extent_along(gradient, box.half) + 0.5 * std::max(0.0, most) * squared;
   return {phi - down * (1 + kRounding) - slack, phi + up * (1 + kRounding) + slack};
 }
 
 double Exponent::least_slope(const BatchBox& box, const Vec3d& direction) const {
   const double length = norm(direction);
-  const double turn = 0.5 * std::abs(most + least) * along(direction, box.half) +
+  const double turn = 0.5 * std::abs(most + least) * extent_along(direction, box.half) +
                       0.5 * (most - least) * length * box.radius;
   return dot(gradient, direction) - turn - 1e-12 * (norm(gradient) * length + turn);
 }
@@ -83,12 +69,12 @@ Interval log_range(std::span<const Exponent> terms, const BatchBox& box) {
   for (std::size_t i = 0; i < terms.size(); ++i) {
     const Exponent& term = terms[i];
     const double y = rise(term, squared);
-    const double s = along(term.gradient - mean, box.half);
+    const double s = extent_along(term.gradient - mean, box.half);
     excess += weights[i] * above_tangent(s + y, s);
     each +=
         weights[i] * vmath::exp(highest(term.gradient, std::max(0.0, term.least), box.half) + y);
   }
-  const double center = top + std::log(sum), spread = along(mean, box.half);
+  const double center = top + std::log(sum), spread = extent_along(mean, box.half);
   const double together = center + highest(mean, concave, box.half) + std::log1p(excess / sum);
   const double apart = top + std::log(each);
   const double most = together < apart ? together : apart;
@@ -109,9 +95,9 @@ double least_mean_slope(std::span<const Exponent> terms, std::span<const double>
     // The ratio to the first term, which is 1 for itself.
     double low = 1.0, high = 1.0;
     if (&term != &first) {
-      const double spread = along(term.gradient - first.gradient, box.half) * (1 + kRounding) +
-                            term.rounding + first.rounding +
-                            kRounding * (std::abs(term.phi) + std::abs(first.phi));
+      const double spread =
+          extent_along(term.gradient - first.gradient, box.half) * (1 + kRounding) + term.rounding +
+          first.rounding + kRounding * (std::abs(term.phi) + std::abs(first.phi));
       const double up = std::max(0.0, 0.5 * (first.most - term.least) * squared);
       const double down = std::max(0.0, 0.5 * (term.most - first.least) * squared);
       low = vmath::exp(term.phi - first.phi - spread - down);

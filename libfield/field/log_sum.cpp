@@ -5,26 +5,12 @@
 #include <limits>
 
 #include "libfield/field/box_view.h"
+#include "libfield/field/quadratic_range.h"
 
 namespace cs2mesh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-double along(const Vec3d& g, const Vec3d& half) {
-  return std::abs(g.x) * half.x + std::abs(g.y) * half.y + std::abs(g.z) * half.z;
-}
-
-/// The greatest g . d - bend / 2 |d|^2 over |d| <= half, axis by axis.
-double highest(const Vec3d& g, double bend, const Vec3d& half) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const double slope = std::abs(g[i]);
-    const double t = slope < bend * half[i] ? slope / bend : half[i];
-    sum += t * (slope - 0.5 * bend * t);
-  }
-  return sum;
-}
 
 /// 2 a^2: minus the second derivative of the exponent of a point.
 double bend_of(const Term& term) {
@@ -169,7 +155,7 @@ Interval LogSum::range() {
   const Vec3d mean = sums.gradient / sums.weight;
   // Together, and each by itself, which is better for boxes larger than the terms.
   const RiseSums rises = exponent_table().rises(rows_, box_, mean);
-  const double spread = along(mean, box_.half);
+  const double spread = extent_along(mean, box_.half);
   const double center = top + std::log(sums.weight);
   const double rounding = kExponentRounding * (largest + spread);
   const double together =
@@ -206,7 +192,7 @@ Vec3d LogSum::common_direction() const {
   for (std::size_t i = 0; i < rows_.count; ++i) {
     const Vec3d g = gradient(i);
     const double ratio = rows_[ExponentRows::phi][i] - rows_[ExponentRows::phi][rows_.first];
-    const double share = ratio + along(g - first, box_.half);
+    const double share = ratio + extent_along(g - first, box_.half);
     if (i != rows_.first && share < std::log(kMatters)) continue;
     ways.push_back(g / rows_[ExponentRows::most][i]);
   }

@@ -30,10 +30,6 @@ constexpr double kSmallest = 1e-200;
 /// The part of a finite support beyond which a kernel's logarithm bends too much.
 constexpr double kEdge = 0.97;
 
-double along(const Vec3d& g, const Vec3d& half) {
-  return std::abs(g.x) * half.x + std::abs(g.y) * half.y + std::abs(g.z) * half.z;
-}
-
 /// Whether the term can be known in the exponent where it is not near an edge.
 bool may_have_exponent(const Term& term) {
   constexpr double kMostAmplitude = 500.0, kMostCondition = 1e4;
@@ -417,7 +413,7 @@ double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double 
   const Jet2 far = far_about(box);
   const double length = norm(direction);
   const Vec3d gradient = far.gradient + parts.tangent.gradient;
-  const double slope = dot(gradient, direction) - along(far.hessian * direction, box.half) -
+  const double slope = dot(gradient, direction) - extent_along(far.hessian * direction, box.half) -
                        length * (far_.slope_error + parts.turn * box.radius) * (1 + 1e-12) -
                        1e-12 * length * norm(gradient);
   SlopeProgram program;

@@ -12,6 +12,7 @@
 #include "polygonize/adaptive_mesher.h"
 #include "polygonize/metrology.h"
 #include "tests/unit/polygonize/mesh_test_tools.h"
+#include "tests/unit/polygonize/proof_of.h"
 
 namespace cs2mesh {
 namespace {
@@ -31,14 +32,6 @@ Term ball(const Vec3d& center, double radius, double b) {
 
 Field sphere() {
   return Field({ball({}, 1.0, 2.0)}, 1e-9);
-}
-
-TopologyProof proof_of(const ImplicitSurface& surface, double smallest) {
-  TopologyProof::Options options;
-  options.smallest = smallest;
-  Result<TopologyProof> proof = TopologyProof::build(surface, options);
-  EXPECT_TRUE(proof);
-  return *std::move(proof);
 }
 
 TriangleMesh meshed(const ImplicitSurface& surface, double radius, double tolerance) {

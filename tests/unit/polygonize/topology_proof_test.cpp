@@ -7,17 +7,10 @@
 #include "libfield/base/random.h"
 #include "libfield/field/field.h"
 #include "tests/unit/polygonize/analytic_surfaces.h"
+#include "tests/unit/polygonize/proof_of.h"
 
 namespace cs2mesh {
 namespace {
-
-TopologyProof proof_of(const ImplicitSurface& surface, double smallest) {
-  TopologyProof::Options options;
-  options.smallest = smallest;
-  Result<TopologyProof> proof = TopologyProof::build(surface, options);
-  EXPECT_TRUE(proof);
-  return *std::move(proof);
-}
 
 TEST(TopologyProof, CountsTheRegionsOfSimpleShapes) {
   const analytic::Surface<analytic::Sphere> sphere;
