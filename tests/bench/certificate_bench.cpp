@@ -7,30 +7,21 @@
 #include <array>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 
-#include "libfield/art/read_art.h"
-#include "libfield/field/compile.h"
 #include "polygonize/certificate.h"
 #include "polygonize/check.h"
 #include "polygonize/mesher.h"
 #include "polygonize/part_request.h"
+#include "tests/bench/bench_scene.h"
 
 namespace cs2mesh {
 namespace {
 
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
+using bench::processor_seconds;
 
 int run(const char* path, double tolerance, double aim) {
-  const Result<Scene> scene = read_art(path);
-  const Result<CompiledScene> compiled =
-      scene ? compile(*scene) : Result<CompiledScene>::failure(scene.diagnostics());
-  if (!compiled) {
-    std::fprintf(stderr, "%s\n", to_string(compiled.diagnostics().front()).c_str());
-    return 2;
-  }
+  const Result<CompiledScene> compiled = bench::compile_file(path);
+  if (!compiled) return 2;
   const tbb::global_control one_thread(tbb::global_control::max_allowed_parallelism, 1);
   if (tolerance < 0) tolerance *= -compiled->extent.diagonal();
   for (const Part& part : compiled->parts) {

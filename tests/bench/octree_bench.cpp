@@ -4,30 +4,21 @@
 //   octree_bench SCENE TOLERANCE [prove | trust]
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <string_view>
 
-#include "libfield/art/read_art.h"
-#include "libfield/field/compile.h"
 #include "polygonize/check.h"
 #include "polygonize/octree_mesh.h"
 #include "polygonize/tolerance.h"
+#include "tests/bench/bench_scene.h"
 
 namespace cs2mesh {
 namespace {
 
-double processor_seconds() {
-  return static_cast<double>(std::clock()) / CLOCKS_PER_SEC;
-}
+using bench::processor_seconds;
 
 int run(const char* path, double tolerance, bool prove) {
-  const Result<Scene> scene = read_art(path);
-  const Result<CompiledScene> compiled =
-      scene ? compile(*scene) : Result<CompiledScene>::failure(scene.diagnostics());
-  if (!compiled) {
-    std::fprintf(stderr, "%s\n", to_string(compiled.diagnostics().front()).c_str());
-    return 2;
-  }
+  const Result<CompiledScene> compiled = bench::compile_file(path);
+  if (!compiled) return 2;
   const Part& part = compiled->parts.front();
   SurfaceOctreeOptions options;
   options.tolerance = tolerance;
