@@ -6,6 +6,7 @@
 #include "cli/mesh_report.h"
 #include "cli/mesh_request.h"
 #include "libfield/field/compile.h"
+#include "polygonize/leave_out.h"
 #include "polygonize/mesher.h"
 #include "polygonize/metrology.h"
 #include "polygonize/triangle_mesh.h"
@@ -44,12 +45,20 @@ MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const 
 void unite_parts(MeshedScene& meshed, const CompiledScene& compiled, const Fineness& fineness,
                  Console& console);
 
+/// Leaves out the components that the request does not want, and says what that was. Throws Exit
+/// where nothing is left.
+LeftOut leave_out(MeshedScene& meshed, const CompiledScene& compiled, const MeshRequest& request,
+                  Console& console);
+
 /// Adds the attributes that the request wants.
 void add_attributes(MeshedScene& meshed, const CompiledScene& compiled, const Scene& scene,
                     const MeshRequest& request);
 
 /// The cell that each part would be meshed with first; nothing is meshed.
 std::vector<PartLog> plan_parts(const CompiledScene& compiled, const Fineness& fineness);
+
+/// {"small": {"components": ..., "voids": ..., "area": ...}, "enclosed": {...}}
+Json to_json(const LeftOut& left_out);
 
 /// {"mesh_to_surface_max": ..., ...}
 Json to_json(const MeasuredError& error);

@@ -37,6 +37,12 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
              std::string(can_unite() ? "united" : "separate, since this build has no CGAL") + ")")
       ->check(CLI::IsMember({"united", "separate"}))
       ->type_name("HOW");
+  add_length_option(app, "--component-min", request.component_min,
+                    "leave out components whose box has a shorter diagonal than this: the mesh "
+                    "keeps its distance from the surface, but the surface has more than the mesh");
+  app.add_flag("--outer", request.outer,
+               "likewise leave out voids and what is in them, so that what is seen from outside "
+               "remains");
   app.add_flag("--verify", request.verify,
                "measure the result with rays before anything is written; status 5 if it is off");
   CLI::Option* certify =

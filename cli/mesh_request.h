@@ -19,7 +19,9 @@ struct MeshRequest {
   std::optional<Length> tolerance;  ///< not set: the scene's, or 0.1 % of its diagonal
   std::optional<Length> cell;       ///< not set: the scene's, or what the tolerance needs
   std::string mesher{meshers().front().name};
-  bool united = true;  ///< parts that touch become one mesh
+  bool united = true;                   ///< parts that touch become one mesh
+  std::optional<Length> component_min;  ///< smaller components are left out; not set: none
+  bool outer = false;                   ///< what lies inside of others is left out
   std::vector<std::string> attributes;
   bool all_attributes = true;  ///< what format and scene have
   std::string up;              ///< "y", "z" or "": the scene's
@@ -31,6 +33,7 @@ struct MeshRequest {
   std::string report;
 
   bool wants(const std::string& attribute) const;
+  bool leaves_out() const { return component_min || outer; }
   bool wants_certificate() const { return certify || !certificate.empty(); }
   MeshFileOptions file_options(const Scene& scene) const;
 };

@@ -232,9 +232,6 @@ int mesh_scene(const MeshRequest& request, Console& console) {
     watch.start("unite");
     unite_parts(meshed, compiled, fineness, console);
   }
-  watch.start("clean");
-  const std::vector<PartReport> checked = check_outputs(meshed.model, scene, request, console);
-  if (request.self_intersections) warn_if_unchecked(checked, request.input.path, console);
   report["error"] = estimated_error(meshed.log);
   if (request.verify) {
     watch.start("verify");
@@ -242,6 +239,11 @@ int mesh_scene(const MeshRequest& request, Console& console) {
                           ? verify_union(meshed, exact, fineness.tolerance, console)
                           : verify(meshed, exact, fineness.tolerance, console);
   }
+  watch.start("clean");
+  // Only now: what is left out would be missed by --verify.
+  const LeftOut left_out = leave_out(meshed, compiled, request, console);
+  const std::vector<PartReport> checked = check_outputs(meshed.model, scene, request, console);
+  if (request.self_intersections) warn_if_unchecked(checked, request.input.path, console);
   watch.start("attributes");
   add_attributes(meshed, compiled, scene, request);
   console.stop_if_interrupted();
@@ -250,6 +252,7 @@ int mesh_scene(const MeshRequest& request, Console& console) {
   watch.stop();
 
   add_check(report, checked);
+  if (request.leaves_out()) report["left_out"] = to_json(left_out);
   if (!certificates.empty()) add_certificates(report, certificates);
   add_parts(report, meshed, checked, request.united);
   add_costs(report, console);
