@@ -27,6 +27,7 @@ struct MeshRequest {
   std::string up;              ///< "y", "z" or "": the scene's
   bool dry_run = false;
   bool verify = false;
+  int levels = 0;  ///< further ones, each coarser
   bool certify = false;
   std::string certificate;  ///< a PLY of what is in doubt
   bool self_intersections = true;
@@ -34,6 +35,13 @@ struct MeshRequest {
 
   bool wants(const std::string& attribute) const;
   bool leaves_out() const { return component_min || outer; }
+  /// Every level is measured.
+  bool verifies() const { return verify || levels > 0; }
+  /// Where level `level` goes: to the outputs themselves, or to horse.lod1.glb for horse.glb.
+  /// Requires outputs with an extension.
+  std::vector<std::string> outputs_of(int level) const;
+  /// All files that are to be written.
+  std::vector<std::string> files() const;
   bool wants_certificate() const { return certify || !certificate.empty(); }
   MeshFileOptions file_options(const Scene& scene) const;
 };

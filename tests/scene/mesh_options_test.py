@@ -68,5 +68,57 @@ class LeftOut(SceneTest):
         self.assertIn("3 components (1 void)", done.stderr)
 
 
+class Levels(SceneTest):
+    def test_levels_are_meshes_at_four_times_the_tolerance(self):
+        scene = self.file("scene.art", HOLLOW)
+        report = self.report(scene, "out.glb", "out.obj", "--tolerance", "0.01", "--lod", 2)
+        self.assertEqual(report["outputs"], ["out.glb", "out.obj"])
+        levels = [report, *report["levels"]]
+        self.assertEqual(len(levels), 3)
+        for number, level in enumerate(levels):
+            suffix = f".lod{number}" if number else ""
+            self.assertEqual(level["outputs"], [f"out{suffix}.glb", f"out{suffix}.obj"])
+            self.assertEqual(level["tolerance"], 0.01 * 4**number)
+            for way in ("mesh_to_surface_max", "surface_to_mesh_max"):
+                self.assertLessEqual(level["error"][way], level["tolerance"])
+            self.assertIs(level["closed"] and level["manifold"], True)
+            # The same as without levels.
+            alone = self.report(scene, "alone.glb", "--tolerance", level["tolerance"])
+            self.assertEqual(alone["triangles"], level["triangles"])
+            written = (self.folder / level["outputs"][0]).read_bytes()
+            self.assertEqual(written, (self.folder / "alone.glb").read_bytes())
+            self.assertTrue((self.folder / f"out{suffix}.mtl").exists())
+        self.assertLess(report["levels"][0]["triangles"], report["triangles"])
+
+    def test_all_levels_or_none(self):
+        scene = self.file("scene.art", HOLLOW)
+        (self.folder / "out.lod2.obj").mkdir()
+        self.fails(7, scene, "out.obj", "--tolerance", "1%", "--lod", 2)
+        self.succeed(scene, "out.obj", "--tolerance", "1%", "--lod", 1)
+
+    def test_files_that_would_be_one(self):
+        scene = self.file("scene.art", HOLLOW)
+        self.fails(2, scene, "out.obj", "out.lod1.obj", "--lod", 1)
+        self.fails(2, scene, "out.obj", self.folder / "out.lod1.obj", "--lod", 1)
+        self.fails(2, scene, "out.obj", "--lod", 1, "--report", "out.lod1.obj")
+        self.succeed(scene, "out.obj", "out.lod1.obj", "--tolerance", "1%")
+
+    def test_levels_need_a_tolerance(self):
+        scene = self.file("scene.art", "mesh cell 0.3\n" + HOLLOW)
+        self.fails(2, scene, "out.obj", "--lod", 1, "--cell", "0.3")
+        for number in (0, -1, 9, "all"):
+            self.fails(2, scene, "out.obj", "--lod", number)
+        self.assertIsNone(self.report(scene, "out.obj")["tolerance"])
+        report = self.report(scene, "out.obj", "--lod", 1)
+        self.assertEqual(report["levels"][0]["tolerance"], 4 * report["tolerance"])
+
+    def test_what_is_left_out_is_left_out_of_every_level(self):
+        scene = self.file("scene.art", HOLLOW)
+        report = self.report(scene, "out.stl", "--tolerance", "1%", "--lod", 1, "--outer")
+        for level in (report, *report["levels"]):
+            self.assertEqual((level["components"], level["voids"]), (2, 0))
+            self.assertEqual(level["left_out"]["enclosed"]["components"], 1)
+
+
 if __name__ == "__main__":
     main()
