@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "cli/verify_mesh.h"
 
@@ -10,6 +11,8 @@ namespace {
 
 /// How much coarser each level is than the one before: with about a fourth of its triangles.
 constexpr double kCoarser = 4.0;
+/// Parts of the tolerance that a mesh is made to, one after the other, until it measures up.
+constexpr double kAims[] = {1.0, 0.6, 0.35};
 
 /// Checks the meshes as each of the outputs will hold them; the report is of the first output.
 /// Throws Exit{kCheckFailed} if a promise is broken.
@@ -60,6 +63,49 @@ void add_parts(Json& report, const MeshedScene& meshed, const std::vector<PartRe
   }
 }
 
+/// Meshes all parts, certifies and unites them as far as that was asked for.
+void mesh_once(const MeshRun& run, const Fineness& fineness, int number, const Json& report,
+               MeshLevel& level) {
+  const MeshRequest& request = run.request;
+  run.watch.start("extract");
+  level.meshed = mesh_parts(run.compiled, run.scene, fineness, run.console);
+  if (request.wants_certificate() && number == 0) {
+    run.watch.start("certify");
+    level.certificates =
+        certify_if_asked(level.meshed, run.compiled, fineness, request, report, run.console);
+  }
+  if (request.united) {
+    run.watch.start("unite");
+    unite_parts(level.meshed, run.compiled, fineness, run.console);
+  }
+  level.error = estimated_error(level.meshed.log);
+}
+
+/// The same, and where it is to be measured and is off, again to a part of the tolerance.
+void mesh_within(const MeshRun& run, const Fineness& fineness, int number, const Json& report,
+                 MeshLevel& level) {
+  const MeshRequest& request = run.request;
+  for (const double aim : kAims) {
+    Fineness aimed = fineness;
+    aimed.tolerance *= aim;
+    mesh_once(run, aimed, number, report, level);
+    if (!request.verifies()) return;
+    run.watch.start("verify");
+    const Measured measured =
+        measure_outputs(level.meshed, run.exact, {level.outputs, request.file_options(run.scene)},
+                        request.united, run.console);
+    level.error = to_json(measured.error);
+    if (measured.error.max() <= fineness.tolerance) return;
+    const std::string off = measured.what + " is off by " + std::to_string(measured.error.max()) +
+                            ", more than the tolerance of " + std::to_string(fineness.tolerance);
+    if (fineness.cell > 0 || aim == std::end(kAims)[-1]) {
+      run.console.fail(Failure::tolerance, off + "; nothing was written", measured.where);
+    }
+    run.console.show({{Severity::warning, Failure::none, measured.where,
+                       off + ", as measured: it is meshed again, finer"}});
+  }
+}
+
 }  // namespace
 
 Fineness coarser(Fineness fineness, int number) {
@@ -69,36 +115,17 @@ Fineness coarser(Fineness fineness, int number) {
 
 MeshLevel mesh_level(const MeshRun& run, const Fineness& fineness, int number, const Json& report) {
   const MeshRequest& request = run.request;
-  Console& console = run.console;
   MeshLevel level;
   level.tolerance = fineness.tolerance;
   level.outputs = request.outputs_of(number);
-  run.watch.start("extract");
-  level.meshed = mesh_parts(run.compiled, run.scene, fineness, console);
-  if (request.wants_certificate() && number == 0) {
-    run.watch.start("certify");
-    level.certificates =
-        certify_if_asked(level.meshed, run.compiled, fineness, request, report, console);
-  }
-  if (request.united) {
-    run.watch.start("unite");
-    unite_parts(level.meshed, run.compiled, fineness, console);
-  }
-  level.error = estimated_error(level.meshed.log);
-  if (request.verifies()) {
-    run.watch.start("verify");
-    level.error = to_json(
-        verify(level.meshed, run.exact,
-               {fineness.tolerance, request.united, level.outputs, request.file_options(run.scene)},
-               console));
-  }
+  mesh_within(run, fineness, number, report, level);
   run.watch.start("clean");
-  // Only now: what is left out would be missed by --verify.
-  level.left_out = leave_out(level.meshed, run.compiled, request, console);
-  level.checked = check_outputs(level.meshed.model, level.outputs, run.scene, request, console);
+  // Only now: what is left out would be missed where it is measured.
+  level.left_out = leave_out(level.meshed, run.compiled, request, run.console);
+  level.checked = check_outputs(level.meshed.model, level.outputs, run.scene, request, run.console);
   run.watch.start("attributes");
   add_attributes(level.meshed, run.compiled, run.scene, request);
-  console.stop_if_interrupted();
+  run.console.stop_if_interrupted();
   return level;
 }
 

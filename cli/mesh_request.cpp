@@ -57,8 +57,10 @@ void add_whole_options(CLI::App& app, MeshRequest& request) {
 
 /// How far the mesh is to be trusted.
 void add_proof_options(CLI::App& app, MeshRequest& request) {
-  app.add_flag("--verify", request.verify,
-               "measure the result with rays before anything is written; status 5 if it is off");
+  app.add_flag(
+      "--verify", request.verify,
+      "measure the result, as it will be written, both ways and with rays; where it is off, "
+      "mesh it finer; status 5, and no mesh, if it still is");
   CLI::Option* certify =
       app.add_flag("--certify", request.certify,
                    "prove that the mesh is within the tolerance and of the surface's topology; "

@@ -25,35 +25,23 @@ MeasureOptions for_parts(std::size_t count, Console& console) {
   return options;
 }
 
-void fail_if_off(const MeasuredError& error, double tolerance, const std::string& what,
-                 const SourceLocation& where, Console& console) {
-  console.stop_if_interrupted();
-  if (error.max() <= tolerance) return;
-  console.fail(Failure::tolerance,
-               what + " is off by " + std::to_string(error.max()) +
-                   ", more than the tolerance of " + std::to_string(tolerance) +
-                   "; nothing was written",
-               where);
-}
-
-MeasuredError verify_union(const Model& model, const CompiledScene& exact, double tolerance,
-                           Console& console) {
+Measured measure_union(const Model& model, const CompiledScene& exact, Console& console) {
   std::vector<const ImplicitSurface*> surfaces;
   for (const Part& part : exact.parts) surfaces.push_back(part.surface.get());
-  const MeasuredError error = measure(surfaces, joined(model), for_parts(surfaces.size(), console));
-  fail_if_off(error, tolerance, "the union", exact.parts.front().where, console);
-  return error;
+  return {measure(surfaces, joined(model), for_parts(surfaces.size(), console)), "the union",
+          exact.parts.front().where};
 }
 
 /// Part by part.
-MeasuredError verify_parts(const Model& model, const MeshedScene& meshed,
-                           const CompiledScene& exact, double tolerance, Console& console) {
-  MeasuredError worst;
+Measured measure_parts(const Model& model, const MeshedScene& meshed, const CompiledScene& exact,
+                       Console& console) {
+  Measured worst;
   for (std::size_t i = 0; i < model.parts.size(); ++i) {
     const Part& part = exact.parts[meshed.parts_of[i].front()];
-    const MeasuredError error = measure(*part.surface, model.parts[i].mesh, for_parts(1, console));
-    fail_if_off(error, tolerance, "part '" + part.name + "'", part.where, console);
-    if (i == 0 || error.max() > worst.max()) worst = error;
+    Measured measured{measure(*part.surface, model.parts[i].mesh, for_parts(1, console)),
+                      "part '" + part.name + "'", part.where};
+    console.stop_if_interrupted();
+    if (i == 0 || measured.error.max() > worst.error.max()) worst = std::move(measured);
   }
   return worst;
 }
@@ -72,18 +60,18 @@ std::vector<std::string> paths_by_rounding(const std::vector<std::string>& paths
   return first;
 }
 
-MeasuredError verify(const MeshedScene& meshed, const CompiledScene& exact,
-                     const VerifyOptions& options, Console& console) {
-  MeasuredError worst;
+Measured measure_outputs(const MeshedScene& meshed, const CompiledScene& exact,
+                         const OutputRounding& rounding, bool united, Console& console) {
+  Measured worst;
   bool first = true;
-  for (const std::string& path : paths_by_rounding(options.outputs)) {
+  for (const std::string& path : paths_by_rounding(rounding.outputs)) {
     Model model = meshed.model;
-    round_to_format(model, *mesh_format_of(path), options.file);
-    const MeasuredError error =
-        options.united && exact.parts.size() > 1
-            ? verify_union(model, exact, options.tolerance, console)
-            : verify_parts(model, meshed, exact, options.tolerance, console);
-    if (first || error.max() > worst.max()) worst = error;
+    round_to_format(model, *mesh_format_of(path), rounding.file);
+    Measured measured = united && exact.parts.size() > 1
+                            ? measure_union(model, exact, console)
+                            : measure_parts(model, meshed, exact, console);
+    console.stop_if_interrupted();
+    if (first || measured.error.max() > worst.error.max()) worst = std::move(measured);
     first = false;
   }
   return worst;

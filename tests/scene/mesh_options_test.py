@@ -13,6 +13,14 @@ sphere grain 0.1 2 0 0
 # And a hard ball that the soft shell has, touching nothing.
 KERNEL = HOLLOW + "surface hard { diffuse Red }\nsphere hard 0.2 0 0 0\n"
 
+THORNS = """surface s0 blob -128, radius .034 strength 2
+surface s1 blob -16, radius .125
+cylinder s1 0.125 <-1 0 0> <1 0 0>
+cylinder s0 0.034 <-0.5 0 0> <-0.6 0.75 0.1>
+cylinder s0 0.034 <0.1 0 0> <0.15 0.75 0.2>
+cylinder s0 0.034 <0.5 0 0> <0.6 -0.3 0.7>
+"""
+
 
 class LeftOut(SceneTest):
     def mesh(self, text, *options):
@@ -118,6 +126,27 @@ class Levels(SceneTest):
         for level in (report, *report["levels"]):
             self.assertEqual((level["components"], level["voids"]), (2, 0))
             self.assertEqual(level["left_out"]["enclosed"]["components"], 1)
+
+
+class Verified(SceneTest):
+    def test_what_is_written_is_within_the_tolerance(self):
+        # Stiff thorns as thick as the tolerance are the hardest to be sure of.
+        scene = self.file("thorns.art", THORNS)
+        for tolerance in (0.0227, 0.03):
+            report = self.report(
+                scene, "out.glb", "out.ply", "--verify", "--tolerance", tolerance
+            )
+            self.assertEqual(report["tolerance"], tolerance)
+            for output in report["outputs"]:
+                error = self.report("compare", scene, output, "--samples", 100000)["error"]
+                for way in ("mesh_to_surface_max", "surface_to_mesh_max"):
+                    # Other samples than those of --verify.
+                    self.assertLessEqual(error[way], 1.02 * tolerance)
+
+    def test_cells_are_as_large_as_they_are(self):
+        scene = self.file("scene.art", HOLLOW)
+        done = self.fails(5, scene, "out.obj", "--verify", "--cell", "0.3", "--tolerance", "0.001")
+        self.assertNotIn("again", done.stderr)
 
 
 if __name__ == "__main__":
