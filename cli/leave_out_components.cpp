@@ -26,9 +26,8 @@ void drop_empty_parts(MeshedScene& meshed) {
 
 }  // namespace
 
-LeftOut leave_out(MeshedScene& meshed, const CompiledScene& compiled, const MeshRequest& request,
-                  Console& console) {
-  if (!request.leaves_out()) return {};
+LeaveOutOptions leave_out_options(const MeshRequest& request, const CompiledScene& compiled,
+                                  Console& console) {
   LeaveOutOptions options;
   if (request.component_min) {
     options.smallest = request.component_min->absolute(compiled.extent.diagonal());
@@ -36,7 +35,13 @@ LeftOut leave_out(MeshedScene& meshed, const CompiledScene& compiled, const Mesh
   options.enclosed = request.outer;
   options.across_parts = request.united;
   options.progress = &console.progress();
-  const LeftOut left_out = leave_out(meshed.model, options);
+  return options;
+}
+
+LeftOut leave_out(MeshedScene& meshed, const CompiledScene& compiled, const MeshRequest& request,
+                  Console& console) {
+  if (!request.leaves_out()) return {};
+  const LeftOut left_out = leave_out(meshed.model, leave_out_options(request, compiled, console));
   console.stop_if_interrupted();
   if (left_out.small.components > 0) console.say(text_of(left_out.small, "small"));
   if (left_out.enclosed.components > 0) console.say(text_of(left_out.enclosed, "enclosed"));

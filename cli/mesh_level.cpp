@@ -1,7 +1,6 @@
 #include "cli/mesh_level.h"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 
 #include "cli/verify_mesh.h"
@@ -63,69 +62,111 @@ void add_parts(Json& report, const MeshedScene& meshed, const std::vector<PartRe
   }
 }
 
-/// Meshes all parts, certifies and unites them as far as that was asked for.
-void mesh_once(const MeshRun& run, const Fineness& fineness, int number, const Json& report,
-               MeshLevel& level) {
-  const MeshRequest& request = run.request;
-  run.watch.start("extract");
-  level.meshed = mesh_parts(run.compiled, run.scene, fineness, run.console);
-  if (request.wants_certificate() && number == 0) {
-    run.watch.start("certify");
-    level.certificates =
-        certify_if_asked(level.meshed, run.compiled, fineness, request, report, run.console);
-  }
-  if (request.united) {
-    run.watch.start("unite");
-    unite_parts(level.meshed, run.compiled, fineness, run.console);
-  }
-  level.error = estimated_error(level.meshed.log);
+/// What is off, and that more than it may be.
+std::string off_text(const Measured& measured, double tolerance) {
+  return measured.what + " is off by " + std::to_string(measured.error.max()) +
+         ", more than the tolerance of " + std::to_string(tolerance);
 }
 
-/// The same, and where it is to be measured and is off, again to a part of the tolerance.
-void mesh_within(const MeshRun& run, const Fineness& fineness, int number, const Json& report,
+/// Measures the level if that was asked for. Returns whether it is within its tolerance; else
+/// throws Exit where `last`, unless it was the number of triangles that set the tolerance: then
+/// the distance measured is the tolerance.
+bool measures_up(const MeshRun& run, const Fineness& fineness, bool last, MeshLevel& level) {
+  if (!run.request.verifies()) return true;
+  run.watch.start("verify");
+  const Measured measured =
+      measure_outputs(level.meshed, run.exact, {level.outputs, run.request.file_options(run.scene)},
+                      run.request.united, run.console);
+  level.error = to_json(measured.error);
+  if (measured.error.max() <= fineness.tolerance) return true;
+  const std::string off = off_text(measured, fineness.tolerance);
+  const auto warn = [&](const std::string& what) {
+    run.console.show({{Severity::warning, Failure::none, measured.where, off + what}});
+  };
+  if (fineness.budgeted) {
+    warn(", as measured, which becomes the tolerance");
+    level.tolerance = measured.error.max();
+    return true;
+  }
+  if (last) run.console.fail(Failure::tolerance, off + "; nothing was written", measured.where);
+  warn(", as measured: it is meshed again, finer");
+  return false;
+}
+
+/// Has the scene meshed, and again to a part of the tolerance where it is off when measured.
+template <class MeshTo>
+void mesh_within(const MeshRun& run, const Fineness& fineness, const MeshTo& mesh_to,
                  MeshLevel& level) {
-  const MeshRequest& request = run.request;
+  level.tolerance = fineness.tolerance;
   for (const double aim : kAims) {
     Fineness aimed = fineness;
     aimed.tolerance *= aim;
-    mesh_once(run, aimed, number, report, level);
-    if (!request.verifies()) return;
-    run.watch.start("verify");
-    const Measured measured =
-        measure_outputs(level.meshed, run.exact, {level.outputs, request.file_options(run.scene)},
-                        request.united, run.console);
-    level.error = to_json(measured.error);
-    if (measured.error.max() <= fineness.tolerance) return;
-    const std::string off = measured.what + " is off by " + std::to_string(measured.error.max()) +
-                            ", more than the tolerance of " + std::to_string(fineness.tolerance);
-    if (fineness.cell > 0 || aim == std::end(kAims)[-1]) {
-      run.console.fail(Failure::tolerance, off + "; nothing was written", measured.where);
-    }
-    run.console.show({{Severity::warning, Failure::none, measured.where,
-                       off + ", as measured: it is meshed again, finer"}});
+    level.meshed = mesh_to(aimed);
+    level.error = estimated_error(level.meshed.log);
+    const bool last = fineness.cell > 0 || aim == std::end(kAims)[-1];
+    if (measures_up(run, fineness, last, level)) return;
   }
+}
+
+void finish(const MeshRun& run, MeshLevel& level) {
+  run.watch.start("clean");
+  // Only now: what is left out would be missed where it is measured.
+  level.left_out = leave_out(level.meshed, run.compiled, run.request, run.console);
+  level.checked =
+      check_outputs(level.meshed.model, level.outputs, run.scene, run.request, run.console);
+  run.watch.start("attributes");
+  add_attributes(level.meshed, run.compiled, run.scene, run.request);
+  run.console.stop_if_interrupted();
 }
 
 }  // namespace
 
-Fineness coarser(Fineness fineness, int number) {
-  fineness.tolerance *= std::pow(kCoarser, number);
-  return fineness;
+MeshedScene mesh_united(const MeshRun& run, const Fineness& fineness,
+                        const std::function<void(const MeshedScene&)>& look) {
+  run.watch.start("extract");
+  MeshedScene meshed = mesh_parts(run.compiled, run.scene, fineness, run.console);
+  if (look) look(meshed);
+  if (run.request.united) {
+    run.watch.start("unite");
+    unite_parts(meshed, run.compiled, fineness, run.console);
+  }
+  return meshed;
 }
 
-MeshLevel mesh_level(const MeshRun& run, const Fineness& fineness, int number, const Json& report) {
-  const MeshRequest& request = run.request;
+MeshLevel mesh_first_level(const MeshRun& run, const Fineness& fineness, const Json& report) {
   MeshLevel level;
-  level.tolerance = fineness.tolerance;
-  level.outputs = request.outputs_of(number);
-  mesh_within(run, fineness, number, report, level);
-  run.watch.start("clean");
-  // Only now: what is left out would be missed where it is measured.
-  level.left_out = leave_out(level.meshed, run.compiled, request, run.console);
-  level.checked = check_outputs(level.meshed.model, level.outputs, run.scene, request, run.console);
-  run.watch.start("attributes");
-  add_attributes(level.meshed, run.compiled, run.scene, request);
-  run.console.stop_if_interrupted();
+  const auto certify = [&](const MeshedScene& parts) {
+    if (!run.request.wants_certificate()) return;
+    run.watch.start("certify");
+    level.certificates =
+        certify_if_asked(parts, run.compiled, fineness, run.request, report, run.console);
+  };
+  level.outputs = run.request.outputs;
+  mesh_within(
+      run, fineness, [&](const Fineness& aimed) { return mesh_united(run, aimed, certify); },
+      level);
+  finish(run, level);
+  return level;
+}
+
+MeshLevel level_of(const MeshRun& run, const Fineness& fineness, MeshedScene united) {
+  MeshLevel level;
+  level.outputs = run.request.outputs;
+  mesh_within(
+      run, fineness, [&](const Fineness&) { return std::move(united); }, level);
+  finish(run, level);
+  return level;
+}
+
+MeshLevel mesh_coarser_level(const MeshRun& run, Fineness fineness, int number,
+                             const MeshLevel& before) {
+  fineness.tolerance = kCoarser * before.tolerance;
+  fineness.budgeted = false;
+  MeshLevel level;
+  level.outputs = run.request.outputs_of(number);
+  mesh_within(
+      run, fineness, [&](const Fineness& aimed) { return mesh_united(run, aimed); }, level);
+  finish(run, level);
   return level;
 }
 

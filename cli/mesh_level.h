@@ -2,6 +2,7 @@
 // coarser level of detail of it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -30,14 +31,22 @@ struct MeshLevel {
   Json error;                                 ///< estimated, or measured
 };
 
-/// The fineness of that level, where `fineness` is that of level 0: each has four times the
-/// tolerance of the one before.
-Fineness coarser(Fineness fineness, int number);
+/// Meshes all parts and unites them if that was asked for; `look`, if there is one, is shown the
+/// parts before that.
+MeshedScene mesh_united(const MeshRun& run, const Fineness& fineness,
+                        const std::function<void(const MeshedScene&)>& look = {});
 
-/// Meshes all parts, unites, measures and checks them, as far as that was asked for. `report` is
-/// delivered where a certificate is refused. Throws Exit, everything having been said, where
-/// anything fails.
-MeshLevel mesh_level(const MeshRun& run, const Fineness& fineness, int number, const Json& report);
+/// Meshes, certifies, unites, measures and checks, as far as that was asked for. What is off when
+/// it is measured is meshed again, finer. `report` is delivered where a certificate is refused.
+/// Throws Exit, everything having been said, where anything fails.
+MeshLevel mesh_first_level(const MeshRun& run, const Fineness& fineness, const Json& report);
+
+/// The same of what is meshed already, without certificates; fineness.budgeted holds.
+MeshLevel level_of(const MeshRun& run, const Fineness& fineness, MeshedScene united);
+
+/// A level of detail to four times the tolerance of the one before, also without certificates.
+MeshLevel mesh_coarser_level(const MeshRun& run, Fineness fineness, int number,
+                             const MeshLevel& before);
 
 /// Adds to the report what is to be said of a level: error, counts, parts, certificates.
 void add_level(Json& report, const MeshLevel& level, const MeshRequest& request);

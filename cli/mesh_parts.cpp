@@ -55,11 +55,11 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
   fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
                        : scene.mesh.tolerance ? *scene.mesh.tolerance
                                               : kDefaultTolerance * diagonal;
-  // A tolerance or a mesher on the command line wins over the scene's cell, and so do levels, each
-  // of which has a tolerance.
+  // A tolerance or a mesher on the command line wins over the scene's cell, and so do options that
+  // need a tolerance.
   if (request.cell) {
     fineness.cell = request.cell->absolute(diagonal);
-  } else if (scene.mesh.cell && !request.tolerance && request.levels == 0 &&
+  } else if (scene.mesh.cell && !request.needs_tolerance() &&
              fineness.mesher == &meshers().front()) {
     fineness.cell = *scene.mesh.cell;
   }

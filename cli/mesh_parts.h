@@ -17,6 +17,7 @@ namespace cs2mesh {
 struct Fineness {
   double tolerance = 0.0;
   double cell = 0.0;               ///< 0: what the tolerance needs
+  bool budgeted = false;           ///< the tolerance is what a number of triangles allows
   const Mesher* mesher = nullptr;  ///< where there is no cell
 };
 Fineness fineness_of(const MeshRequest& request, const Scene& scene, const CompiledScene& compiled);
@@ -44,6 +45,10 @@ MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const 
 /// Unites the parts that touch. Throws Exit, everything having been said, where that fails.
 void unite_parts(MeshedScene& meshed, const CompiledScene& compiled, const Fineness& fineness,
                  Console& console);
+
+/// What of the components the request does not want.
+LeaveOutOptions leave_out_options(const MeshRequest& request, const CompiledScene& compiled,
+                                  Console& console);
 
 /// Leaves out the components that the request does not want, and says what that was. Throws Exit
 /// where nothing is left.

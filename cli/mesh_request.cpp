@@ -47,6 +47,13 @@ void add_whole_options(CLI::App& app, MeshRequest& request) {
   app.add_flag("--outer", request.outer,
                "likewise leave out voids and what is in them, so that what is seen from outside "
                "remains");
+  app.add_option("--max-triangles", request.max_triangles,
+                 "no more triangles than N: the mesh with the smallest tolerance, no smaller than "
+                 "asked for, that a few meshings find; the JSON has the tolerance reached; status "
+                 "6 if a quarter of the diagonal takes more")
+      ->check(CLI::Range(std::size_t{4}, std::size_t{1} << 32))
+      ->excludes("--cell")
+      ->type_name("N");
   app.add_option("--lod", request.levels,
                  "also write N coarser levels of detail, each meshed anew to 4 times the tolerance "
                  "of the one before and measured as by --verify: OUT.lod1.EXT, OUT.lod2.EXT ...")

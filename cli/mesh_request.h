@@ -27,7 +27,8 @@ struct MeshRequest {
   std::string up;              ///< "y", "z" or "": the scene's
   bool dry_run = false;
   bool verify = false;
-  int levels = 0;  ///< further ones, each coarser
+  std::optional<std::size_t> max_triangles;  ///< which the tolerance then gives way to
+  int levels = 0;                            ///< further ones, each coarser
   bool certify = false;
   std::string certificate;  ///< a PLY of what is in doubt
   bool self_intersections = true;
@@ -42,6 +43,8 @@ struct MeshRequest {
   std::vector<std::string> outputs_of(int level) const;
   /// All files that are to be written.
   std::vector<std::string> files() const;
+  /// Whether there must be a tolerance, so that the scene's cell does not count.
+  bool needs_tolerance() const { return tolerance || max_triangles || levels > 0; }
   bool wants_certificate() const { return certify || !certificate.empty(); }
   MeshFileOptions file_options(const Scene& scene) const;
 };

@@ -3,7 +3,7 @@
 
 #include "cli/interrupt.h"
 #include "cli/load_scene.h"
-#include "cli/mesh_level.h"
+#include "cli/mesh_budget.h"
 #include "cli/output_files.h"
 #include "cli/printed.h"
 #include "cli/verbs.h"
@@ -83,6 +83,20 @@ int report_plan(Json report, const CompiledScene& compiled, const Fineness& fine
   return kDone;
 }
 
+/// The mesh that was asked for, and in the report what became of its tolerance.
+MeshLevel first_level(const MeshRun& run, const Fineness& fineness, Json& report) {
+  if (!run.request.max_triangles) return mesh_first_level(run, fineness, report);
+  BudgetedMesh best = mesh_within_budget(run, fineness);
+  report["tolerance"] = best.fineness.tolerance;
+  report["tolerance_asked"] = fineness.tolerance;
+  // Parts are certified before they are united, and so have to be meshed once more.
+  MeshLevel level = run.request.wants_certificate()
+                        ? mesh_first_level(run, best.fineness, report)
+                        : level_of(run, best.fineness, std::move(best.meshed));
+  report["tolerance"] = level.tolerance;
+  return level;
+}
+
 int mesh_scene(const MeshRequest& request, Console& console) {
   Stopwatch watch(&console.progress());
   const Scene scene = read_scene(request.input, console, watch);
@@ -98,8 +112,9 @@ int mesh_scene(const MeshRequest& request, Console& console) {
 
   const MeshRun run{request, scene, exact, compiled, watch, console};
   std::vector<MeshLevel> levels;
-  for (int i = 0; i <= request.levels; ++i) {
-    levels.push_back(mesh_level(run, coarser(fineness, i), i, report));
+  levels.push_back(first_level(run, fineness, report));
+  for (int i = 1; i <= request.levels; ++i) {
+    levels.push_back(mesh_coarser_level(run, fineness, i, levels.back()));
   }
   if (request.self_intersections) {
     warn_if_unchecked(levels.front().checked, request.input.path, console);

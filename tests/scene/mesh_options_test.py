@@ -1,6 +1,6 @@
 """Options that concern the mesh as a whole: what is left out of it, how large it may be."""
 
-from harness import SceneTest, main
+from harness import BALL, SceneTest, main
 
 # A ball with a hollow, and a grain beside it.
 HOLLOW = """surface s { kernel cauchy radius 1 blobbiness -2 }
@@ -126,6 +126,64 @@ class Levels(SceneTest):
         for level in (report, *report["levels"]):
             self.assertEqual((level["components"], level["voids"]), (2, 0))
             self.assertEqual(level["left_out"]["enclosed"]["components"], 1)
+
+
+class MostTriangles(SceneTest):
+    def mesh(self, *options):
+        scene = self.file("scene.art", HOLLOW)
+        report = self.report(scene, "out.glb", *options)
+        self.assertEqual(self.report("check", "out.glb")["triangles"], report["triangles"])
+        return report
+
+    def test_the_tolerance_gives_way(self):
+        for most in (200, 1000, 2500):
+            report = self.mesh("--tolerance", "0.004", "--max-triangles", most, "--verify")
+            self.assertLessEqual(report["triangles"], most)
+            self.assertGreaterEqual(report["triangles"], 0.85 * most)
+            self.assertEqual(report["tolerance_asked"], 0.004)
+            self.assertGreater(report["tolerance"], 0.004)
+            for way in ("mesh_to_surface_max", "surface_to_mesh_max"):
+                self.assertLessEqual(report["error"][way], report["tolerance"])
+            # As if that tolerance had been asked for.
+            written = (self.folder / "out.glb").read_bytes()
+            alone = self.mesh("--tolerance", repr(report["tolerance"]))
+            self.assertEqual(alone["triangles"], report["triangles"])
+            self.assertEqual(written, (self.folder / "out.glb").read_bytes())
+
+    def test_no_finer_than_asked_for(self):
+        report = self.mesh("--tolerance", "0.02", "--max-triangles", 100000)
+        self.assertEqual(report["tolerance"], 0.02)
+        self.assertEqual(report["tolerance_asked"], 0.02)
+        self.assertLess(report["triangles"], 2000)
+
+    def test_too_few_for_any_tolerance(self):
+        scene = self.file("scene.art", HOLLOW)
+        done = self.fails(6, scene, "none.glb", "--max-triangles", 30)
+        self.assertRegex(done.stderr, r"\d+ triangles, more than the 30 of --max-triangles")
+        # Of what is left out no triangle counts.
+        report = self.mesh("--max-triangles", 80, "--outer", "--component-min", "0.5")
+        self.assertLessEqual(report["triangles"], 80)
+
+    def test_usage(self):
+        scene = self.file("scene.art", HOLLOW)
+        for number in (0, 3, -5, "few", "1e3.5"):
+            self.fails(2, scene, "none.glb", "--max-triangles", number)
+        self.fails(2, scene, "none.glb", "--max-triangles", 100, "--cell", "0.1")
+
+    def test_levels_go_on_from_there(self):
+        report = self.mesh("--max-triangles", 1000, "--lod", 1, "--threads", 1)
+        level = report["levels"][0]
+        self.assertEqual(level["tolerance"], 4 * report["tolerance"])
+        self.assertLess(level["triangles"], report["triangles"])
+        written = (self.folder / "out.lod1.glb").read_bytes()
+        self.mesh("--max-triangles", 1000, "--lod", 1, "--threads", 2)
+        self.assertEqual(written, (self.folder / "out.lod1.glb").read_bytes())
+
+    def test_certified_all_the_same(self):
+        scene = self.file("ball.art", BALL)
+        report = self.report(scene, "ball.obj", "--max-triangles", 500, "--certify")
+        self.assertEqual(report["certified"], 1)
+        self.assertLessEqual(report["triangles"], 500)
 
 
 class Verified(SceneTest):
