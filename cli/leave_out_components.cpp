@@ -1,4 +1,6 @@
 // --component-min and --outer: components of the meshes that are not wanted.
+#include <nlohmann/json.hpp>
+
 #include "cli/mesh_parts.h"
 #include "cli/printed.h"
 

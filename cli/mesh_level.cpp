@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <nlohmann/json.hpp>
 
 #include "cli/verify_mesh.h"
 
@@ -77,7 +78,7 @@ bool measures_up(const MeshRun& run, const Fineness& fineness, bool last, MeshLe
   const Measured measured =
       measure_outputs(level.meshed, run.exact, {level.outputs, run.request.file_options(run.scene)},
                       run.request.united, run.console);
-  level.error = to_json(measured.error);
+  level.measured = measured.error;
   if (measured.error.max() <= fineness.tolerance) return true;
   const std::string off = off_text(measured, fineness.tolerance);
   const auto warn = [&](const std::string& what) {
@@ -102,7 +103,6 @@ void mesh_within(const MeshRun& run, const Fineness& fineness, const MeshTo& mes
     Fineness aimed = fineness;
     aimed.tolerance *= aim;
     level.meshed = mesh_to(aimed);
-    level.error = estimated_error(level.meshed.log);
     const bool last = fineness.cell > 0 || aim == std::end(kAims)[-1];
     if (measures_up(run, fineness, last, level)) return;
   }
@@ -171,7 +171,7 @@ MeshLevel mesh_coarser_level(const MeshRun& run, Fineness fineness, int number,
 }
 
 void add_level(Json& report, const MeshLevel& level, const MeshRequest& request) {
-  report["error"] = level.error;
+  report["error"] = level.measured ? to_json(*level.measured) : estimated_error(level.meshed.log);
   add_check(report, level.checked);
   if (request.leaves_out()) report["left_out"] = to_json(level.left_out);
   if (!level.certificates.empty()) add_certificates(report, level.certificates);

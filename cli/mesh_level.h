@@ -3,6 +3,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,7 +29,7 @@ struct MeshLevel {
   LeftOut left_out;
   std::vector<PartReport> checked;
   std::vector<PartCertificate> certificates;  ///< of level 0 alone
-  Json error;                                 ///< estimated, or measured
+  std::optional<MeasuredError> measured;      ///< if that was asked for
 };
 
 /// Meshes all parts and unites them if that was asked for; `look`, if there is one, is shown the

@@ -1,5 +1,6 @@
 // cs2mesh SCENE OUT...: the whole way from a scene to checked mesh files.
 #include <new>
+#include <nlohmann/json.hpp>
 
 #include "cli/interrupt.h"
 #include "cli/load_scene.h"
