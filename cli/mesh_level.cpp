@@ -170,9 +170,22 @@ MeshLevel mesh_coarser_level(const MeshRun& run, Fineness fineness, int number,
   return level;
 }
 
+std::optional<std::size_t> unresolved_cells(const MeshLevel& level) {
+  std::size_t count = 0;
+  for (const PartLog& part : level.meshed.log) {
+    if (!part.unresolved_cells) return std::nullopt;
+    count += *part.unresolved_cells;
+  }
+  return count;
+}
+
 void add_level(Json& report, const MeshLevel& level, const MeshRequest& request) {
   report["error"] = level.measured ? to_json(*level.measured) : estimated_error(level.meshed.log);
   add_check(report, level.checked);
+  if (request.min_feature) {
+    const std::optional<std::size_t> cells = unresolved_cells(level);
+    report["unresolved_cells"] = cells ? Json(*cells) : Json(nullptr);
+  }
   if (request.leaves_out()) report["left_out"] = to_json(level.left_out);
   if (!level.certificates.empty()) add_certificates(report, level.certificates);
   add_parts(report, level.meshed, level.checked, request.united);

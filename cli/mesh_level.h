@@ -49,6 +49,10 @@ MeshLevel level_of(const MeshRun& run, const Fineness& fineness, MeshedScene uni
 MeshLevel mesh_coarser_level(const MeshRun& run, Fineness fineness, int number,
                              const MeshLevel& before);
 
+/// The cells, of all parts, that may hide what is thinner than --min-feature; none where a part was
+/// meshed without proofs.
+std::optional<std::size_t> unresolved_cells(const MeshLevel& level);
+
 /// Adds to the report what is to be said of a level: error, counts, parts, certificates.
 void add_level(Json& report, const MeshLevel& level, const MeshRequest& request);
 

@@ -1,6 +1,7 @@
 // Compiled scene -> meshes, as the command line asks for.
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "cli/mesh_report.h"
@@ -17,6 +18,7 @@ namespace cs2mesh {
 struct Fineness {
   double tolerance = 0.0;
   double cell = 0.0;               ///< 0: what the tolerance needs
+  double min_feature = 0.0;        ///< what is thinner may be lost
   bool budgeted = false;           ///< the tolerance is what a number of triangles allows
   const Mesher* mesher = nullptr;  ///< where there is no cell
 };
@@ -27,6 +29,8 @@ struct PartLog {
   std::string name;
   double cell = 0.0;
   double error = 0.0;  ///< estimated on the mesh
+  /// See MesherResult; of several parts together, if all of them know.
+  std::optional<std::size_t> unresolved_cells{};
 };
 
 struct MeshedScene {

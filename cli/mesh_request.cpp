@@ -45,6 +45,12 @@ void add_whole_options(CLI::App& app, MeshRequest& request) {
   add_length_option(app, "--component-min", request.component_min,
                     "leave out components whose box has a shorter diagonal than this: the mesh "
                     "keeps its distance from the surface, but the surface has more than the mesh");
+  add_length_option(
+      app, "--min-feature", request.min_feature,
+      "necks, gaps and pieces thinner than this may be lost, for a faster run of the "
+      "mesher that proves there are none: it does not cut cells below; JSON and words "
+      "count those that may hide some")
+      ->excludes("--cell");
   app.add_flag("--outer", request.outer,
                "likewise leave out voids and what is in them, so that what is seen from outside "
                "remains");
@@ -172,6 +178,10 @@ MeshRequest parse_mesh_request(const Words& arguments) {
 }
 
 void require_writable(const MeshRequest& request, Console& console) {
+  if (request.min_feature && request.mesher != meshers().front().name) {
+    console.fail(Failure::bad_input,
+                 "--min-feature is for --mesher " + std::string(meshers().front().name) + " alone");
+  }
   for (const std::string& path : request.outputs) {
     const std::optional<MeshFormat> format = mesh_format_of(path);
     if (!format || *format == MeshFormat::gltf || *format == MeshFormat::off) {

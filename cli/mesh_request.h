@@ -21,6 +21,7 @@ struct MeshRequest {
   std::string mesher{meshers().front().name};
   bool united = true;                   ///< parts that touch become one mesh
   std::optional<Length> component_min;  ///< smaller components are left out; not set: none
+  std::optional<Length> min_feature;    ///< what is thinner may be lost; not set: nothing may
   bool outer = false;                   ///< what lies inside of others is left out
   std::vector<std::string> attributes;
   bool all_attributes = true;  ///< what format and scene have
@@ -44,7 +45,7 @@ struct MeshRequest {
   /// All files that are to be written.
   std::vector<std::string> files() const;
   /// Whether there must be a tolerance, so that the scene's cell does not count.
-  bool needs_tolerance() const { return tolerance || max_triangles || levels > 0; }
+  bool needs_tolerance() const { return tolerance || max_triangles || min_feature || levels > 0; }
   bool wants_certificate() const { return certify || !certificate.empty(); }
   MeshFileOptions file_options(const Scene& scene) const;
 };

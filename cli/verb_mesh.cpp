@@ -54,6 +54,9 @@ std::string seconds_text(const Stopwatch& watch) {
 /// A line a level, the time with the first.
 void say(const std::vector<MeshLevel>& levels, const Stopwatch& watch, Console& console) {
   console.say(summary(levels.front().checked) + ", " + seconds_text(watch));
+  if (const auto cells = unresolved_cells(levels.front()); cells && *cells > 0) {
+    console.say(std::to_string(*cells) + " cells may hide what is thinner than --min-feature");
+  }
   for (std::size_t i = 1; i < levels.size(); ++i) {
     console.say("level " + std::to_string(i) + ", tolerance " +
                 printed("%.3g", levels[i].tolerance) + ": " + summary(levels[i].checked));

@@ -38,6 +38,7 @@ bool goes_round(const Model& model, const Piece& outer, const Piece& inner) {
 std::vector<char> enclosed(const Model& model, const std::vector<Piece>& pieces,
                            const LeaveOutOptions& options) {
   std::vector<Aabb> boxes;
+  boxes.reserve(pieces.size());
   for (const Piece& piece : pieces) boxes.push_back(piece.component.box);
   const BoxTree tree(std::move(boxes));
   std::vector<char> inside(pieces.size());

@@ -186,6 +186,39 @@ class MostTriangles(SceneTest):
         self.assertLessEqual(report["triangles"], 500)
 
 
+class Features(SceneTest):
+    # Two balls with a gap of 0.06 between them.
+    GAP = """surface s { kernel gaussian radius 1 blobbiness -8 }
+sphere s 1 -1.03 0 0
+sphere s 1 1.03 0 0
+"""
+
+    def mesh(self, *options):
+        return self.report(self.file("gap.art", self.GAP), "out.obj", "--verify", *options)
+
+    def test_what_may_be_lost_is_counted(self):
+        self.assertNotIn("unresolved_cells", self.mesh())
+        # Cells are cut until there is nothing left that could be lost.
+        fine = self.mesh("--min-feature", "0.001")
+        self.assertEqual(fine["unresolved_cells"], 0)
+        coarse = self.mesh("--min-feature", "0.05")
+        self.assertGreater(coarse["unresolved_cells"], 0)
+        for report in (fine, coarse):
+            self.assertIs(report["closed"] and report["manifold"], True)
+            self.assertLessEqual(report["error"]["mesh_to_surface_max"], report["tolerance"])
+            self.assertLessEqual(report["error"]["surface_to_mesh_max"], report["tolerance"])
+
+    def test_large_features_do_not_cost_the_tolerance(self):
+        for feature in ("0.3", "10"):
+            report = self.mesh("--min-feature", feature)
+            self.assertLessEqual(report["error"]["surface_to_mesh_max"], report["tolerance"])
+
+    def test_it_is_for_the_mesher_that_proves(self):
+        scene = self.file("gap.art", self.GAP)
+        self.fails(2, scene, "none.obj", "--min-feature", "0.1", "--mesher", "lattice")
+        self.fails(2, scene, "none.obj", "--min-feature", "0.1", "--cell", "0.1")
+
+
 class Verified(SceneTest):
     def test_what_is_written_is_within_the_tolerance(self):
         # Stiff thorns as thick as the tolerance are the hardest to be sure of.
