@@ -25,10 +25,12 @@ TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console
   return mesh;
 }
 
-TriangleMesh mesh_within_tolerance(const Part& part, const Mesher& mesher, double tolerance,
-                                   PartLog& log, Console& console) {
-  MesherResult result =
-      console.take(mesher.mesh(*part.surface, request_for(part, tolerance, &console.progress())));
+TriangleMesh mesh_within_tolerance(const Part& part, const Fineness& fineness, PartLog& log,
+                                   Console& console) {
+  const double tolerance = fineness.tolerance;
+  MesherRequest request = request_for(part, tolerance, &console.progress());
+  request.min_feature = fineness.min_feature;
+  MesherResult result = console.take(fineness.mesher->mesh(*part.surface, request));
   if (!result.reached) {
     // Infinite where triangles cross or nothing brings them near.
     const std::string what = std::isfinite(result.error)
@@ -43,6 +45,7 @@ TriangleMesh mesh_within_tolerance(const Part& part, const Mesher& mesher, doubl
   }
   log.cell = result.cell;
   log.error = result.error;
+  log.unresolved_cells = result.unresolved_cells;
   return std::move(result.mesh);
 }
 
@@ -56,10 +59,13 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
   fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
                        : scene.mesh.tolerance ? *scene.mesh.tolerance
                                               : kDefaultTolerance * diagonal;
-  // A tolerance or a mesher on the command line wins over the scene's cell.
+  if (request.min_feature) fineness.min_feature = request.min_feature->absolute(diagonal);
+  // A tolerance or a mesher on the command line wins over the scene's cell, and so do options that
+  // need a tolerance.
   if (request.cell) {
     fineness.cell = request.cell->absolute(diagonal);
-  } else if (scene.mesh.cell && !request.tolerance && fineness.mesher == &meshers().front()) {
+  } else if (scene.mesh.cell && !request.needs_tolerance() &&
+             fineness.mesher == &meshers().front()) {
     fineness.cell = *scene.mesh.cell;
   }
   return fineness;
@@ -73,8 +79,7 @@ MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const 
     PartLog log;
     log.name = part.name;
     TriangleMesh mesh = fineness.cell > 0 ? mesh_with_cell(part, fineness.cell, log, console)
-                                          : mesh_within_tolerance(part, *fineness.mesher,
-                                                                  fineness.tolerance, log, console);
+                                          : mesh_within_tolerance(part, fineness, log, console);
     console.stop_if_interrupted();
     if (mesh.empty()) {
       console.show({{Severity::warning, Failure::none, part.where,

@@ -46,9 +46,12 @@ SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
   options.prove = prove;
   if (!prove) options.coarseness = kCloseLook;
   options.smallest = std::min(kShare * request.tolerance, kNeck * request.thinnest_radius);
+  const double lattice = expected_cell(request.thinnest_radius, request.creased, request.tolerance);
+  // Cells twice as large are cut, so that what is thinner than those may be lost; but the tolerance
+  // is not to suffer.
+  const double ignored = std::min(0.5 * request.min_feature, 0.4 * lattice);
+  if (prove) options.smallest = std::max(options.smallest, ignored);
   if (!prove) {
-    const double lattice =
-        expected_cell(request.thinnest_radius, request.creased, request.tolerance);
     options.largest = kLattice * lattice;
     options.smallest = std::clamp(kShare * request.tolerance, 0.25 * lattice, 0.4 * lattice);
   }
@@ -70,7 +73,8 @@ class Adaptive {
     // Slits far below the smallest cell: better looked for than sampled by chance.
     constexpr double kMuch = 0.005;
     const double open = static_cast<double>(log_.open_leaves);
-    proven_ = provable_ && open <= kMuch * (open + static_cast<double>(log_.simple_leaves));
+    proven_ = provable_ && (request_.min_feature > 0 ||
+                            open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
     if (provable_ && !proven_) {
       lattice_.emplace(mesh_by_lattice(surface_, request_));
       if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
@@ -118,6 +122,7 @@ class Adaptive {
     }
     best.cell = smallest_cell_;
     best.reached = true;
+    if (proven_ && request_.min_feature > 0) best.unresolved_cells = log_.open_leaves;
     return best;
   }
 

@@ -10,7 +10,7 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/box_pairs.h"
-#include "polygonize/disjoint_sets.h"
+#include "polygonize/mesh_components.h"
 #include "polygonize/shell_prover.h"
 
 namespace cs2mesh {
@@ -300,20 +300,6 @@ std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb>
   return alone;
 }
 
-/// The number of sets of triangles that are connected through vertices.
-std::size_t component_count(const TriangleMesh& mesh) {
-  DisjointSets sets(mesh.positions.size());
-  for (const auto& [a, b, c] : mesh.triangles) sets.join(a, b), sets.join(a, c);
-  std::vector<bool> seen(mesh.positions.size(), false);
-  std::size_t count = 0;
-  for (const auto& corners : mesh.triangles) {
-    const std::uint32_t root = sets.root(corners[0]);
-    count += seen[root] ? 0 : 1;
-    seen[root] = true;
-  }
-  return count;
-}
-
 bool leaves_sign_open(Doubt doubt) {
   return doubt == Doubt::distance || doubt == Doubt::crease;
 }
@@ -352,7 +338,7 @@ std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& to
   // Those that hold nothing of the shell first.
   std::stable_sort(regions.begin() + 1, regions.end(),
                    [](const auto& a, const auto& b) { return a.known < b.known; });
-  const std::size_t expected = component_count(mesh) + 1;
+  const std::size_t expected = components(mesh).size() + 1;
   std::size_t count = regions.size() > expected ? regions.size() - expected : 0;
   // A component in doubt may stand for none, and so make up for one that the mesh lacks.
   if (std::any_of(doubts.begin(), doubts.end(), leaves_sign_open)) {
