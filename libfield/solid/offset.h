@@ -17,8 +17,8 @@ namespace cs2mesh {
 /// Gradient and second derivative are 0 on the primitive itself, where F has its ridge.
 class Offset final : public ImplicitSurface {
  public:
-  /// `to_local`: M^-1 where the solid is transformed by M, none for the identity; radius > 0.
   using Shape = std::variant<Point, Segment, Arc, Triangle, Plane, TaperedSegment, Polygon>;
+  /// `to_local`: M^-1 where the solid is transformed by M, none for the identity; radius > 0.
   Offset(Shape shape, double radius, std::optional<Affine> to_local = std::nullopt);
 
   void values(std::span<const Vec3d> points, std::span<double> out) const override;
