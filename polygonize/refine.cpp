@@ -48,7 +48,9 @@ class Refiner {
         mesh_(std::move(mesh)),
         options_(options),
         longest_way_(bounds(mesh_).diagonal()),
-        first_new_(options.first_new) {}
+        first_new_(options.first_new) {
+    if (options.close != nullptr) close_ = *options.close;
+  }
 
   void run() {
     divide_until_near();
@@ -105,13 +107,23 @@ class Refiner {
     return all;
   }
 
+  /// Whether the triangle has to be nearer to the surface than others.
+  bool is_close(std::size_t triangle) const {
+    const auto& corner = mesh_.triangles[triangle];
+    return !close_.empty() && close_[corner[0]] && close_[corner[1]] && close_[corner[2]];
+  }
+  double tolerance_of(std::size_t triangle) const {
+    return is_close(triangle) ? options_.closer : options_.tolerance;
+  }
+
   /// Where a triangle is too far from the surface, if it is at this point. Where F has walls its
   /// gradient may point past the nearest surface.
   std::optional<LostPoint> far_point(std::size_t triangle, const Vec3d& p, double distance) const {
     constexpr double kNearly = 0.8;  // the nearest surface may be farther than the first order says
-    if (!(distance > kNearly * options_.tolerance)) return std::nullopt;
-    const Foot foot = find_foot(surface_, p, std::min(distance, longest_way_), options_.tolerance);
-    if (!(foot.distance > options_.tolerance)) return std::nullopt;
+    const double tolerance = tolerance_of(triangle);
+    if (!(distance > kNearly * tolerance)) return std::nullopt;
+    const Foot foot = find_foot(surface_, p, std::min(distance, longest_way_), tolerance);
+    if (!(foot.distance > tolerance)) return std::nullopt;
     return LostPoint{foot.point, p, foot.distance, static_cast<std::uint32_t>(triangle)};
   }
 
@@ -132,7 +144,7 @@ class Refiner {
       if (found[i]) continue;
       const auto more = more_points(mesh_, triangles[i],
                                     look_of(mesh_, triangles[i], jets[i], distance,
-                                            kDoubt * options_.tolerance, options_.small));
+                                            kDoubt * tolerance_of(triangles[i]), options_.small));
       closer.insert(closer.end(), more.begin(), more.end());
       doubtful.insert(doubtful.end(), more.size(), i);
     }
@@ -165,7 +177,8 @@ class Refiner {
     std::vector<std::size_t> fresh;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const auto& corner = mesh_.triangles[t];
-      if (std::max({corner[0], corner[1], corner[2]}) >= first_new_) fresh.push_back(t);
+      const bool is_new = std::max({corner[0], corner[1], corner[2]}) >= first_new_;
+      if (is_new || (statistics.rounds == 0 && is_close(t))) fresh.push_back(t);
     }
     return fresh;
   }
@@ -195,6 +208,7 @@ class Refiner {
       const auto at = std::lower_bound(far_.begin(), far_.end(),
                                        FarTriangle{mesh_.triangles[t], {}}, by_corners);
       if (at == far_.end() || at->first != mesh_.triangles[t]) continue;
+      if (at->second.distance <= options_.tolerance) continue;  // as near as others have to be
       statistics.far.push_back(at->second);
       statistics.far.back().triangle = static_cast<std::uint32_t>(t);
     }
@@ -379,14 +393,25 @@ class Refiner {
   /// Replaces the triangles; false if there is nothing to split.
   bool divide() {
     const std::size_t count = mesh_.positions.size() - first_new_;
+    if (!close_.empty()) mark_new_close();
     if (count > 0) mesh_.triangles = parts();
     statistics.splits += count;
     return count > 0;
   }
 
+  /// The new vertices of edges between two that are close.
+  void mark_new_close() {
+    close_.resize(mesh_.positions.size(), false);
+    for (HalfEdge h = 0; h < middle_of_.size(); ++h) {
+      if (middle_of_[h] == kNone) continue;
+      close_[middle_of_[h]] = close_[start_of(mesh_, h)] && close_[end_of(mesh_, h)];
+    }
+  }
+
   const ImplicitSurface& surface_;
   TriangleMesh mesh_;
   const RefineOptions& options_;
+  std::vector<bool> close_;  ///< by vertex; empty if none is
   std::vector<HalfEdge> opposite_;
   std::vector<char> split_;       ///< by edge, whether it is to be split
   std::vector<Index> middle_of_;  ///< by edge, the number of its new vertex or kNone
