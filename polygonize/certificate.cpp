@@ -31,12 +31,6 @@ constexpr double kThicker = 1.5;
 /// Of the tolerance, for the rounding of lengths.
 constexpr double kWhole = 1 - 1e-9;
 
-Aabb box_of(const TriangleMesh& mesh, std::size_t triangle) {
-  Aabb box;
-  for (const Index v : mesh.triangles[triangle]) box.include(mesh.positions[v]);
-  return box;
-}
-
 Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
   return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0;
@@ -169,7 +163,7 @@ class Certifier {
     Aabb box;
     std::vector<Vec3d> points;
     for (const std::uint32_t t : chunk) {
-      box.include(box_of(mesh_, t));
+      box.include(bounds(mesh_, t));
       const auto& corners = mesh_.triangles[t];
       for (const Index v : corners) points.push_back(mesh_.positions[v]);
       for (std::size_t k = 0; k < 3; ++k) {
@@ -287,7 +281,7 @@ std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb>
                                  std::vector<Doubt>& doubts) {
   if (open.empty()) return {};
   std::vector<Aabb> boxes(open.begin(), open.end());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(box_of(mesh, t));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(bounds(mesh, t));
   std::vector<bool> met(open.size(), false);
   const BoxPairs pairs(boxes);
   for (std::size_t group = 0; group < pairs.group_count(); ++group) {
@@ -379,7 +373,7 @@ void sum_up(const TriangleMesh& mesh, std::span<const Aabb> cells, Certificate& 
       certificate.certified_area += area;
     } else {
       certificate.places.push_back(
-          {centroid(mesh, t), certificate.doubts[t], area, box_of(mesh, t)});
+          {centroid(mesh, t), certificate.doubts[t], area, bounds(mesh, t)});
     }
   }
   for (const Aabb& cell : cells) {

@@ -17,16 +17,10 @@ namespace {
 
 using Index = TriangleMesh::Index;
 
-Aabb box_of(const TriangleMesh& mesh, std::size_t triangle) {
-  Aabb box;
-  for (const Index v : mesh.triangles[triangle]) box.include(mesh.positions[v]);
-  return box;
-}
-
 std::vector<std::uint32_t> triangles_near(const TriangleMesh& mesh, const Aabb& box) {
   std::vector<std::uint32_t> found;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (box_of(mesh, t).overlaps(box)) found.push_back(static_cast<std::uint32_t>(t));
+    if (bounds(mesh, t).overlaps(box)) found.push_back(static_cast<std::uint32_t>(t));
   }
   return found;
 }
@@ -133,7 +127,7 @@ bool remove_components_inside(TriangleMesh& mesh, const TriangleMesh& solid) {
   if (!reach.overlaps(bounds(mesh))) return false;
   const std::vector<std::uint32_t> root = components(mesh);
   std::map<std::uint32_t, Aabb> boxes;
-  for (std::size_t t = 0; t < root.size(); ++t) boxes[root[t]].include(box_of(mesh, t));
+  for (std::size_t t = 0; t < root.size(); ++t) boxes[root[t]].include(bounds(mesh, t));
   std::map<std::uint32_t, bool> inside;
   for (const auto& [first, box] : boxes) {
     inside[first] = reach.contains(box) &&
