@@ -25,7 +25,7 @@ constexpr double kSmall = 8.0;
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
-constexpr double kRefined = 0.88, kLost = 0.75, kAccept = 0.97;
+constexpr double kRefined = 0.93, kLost = 0.95, kAccept = 0.97;
 
 /// Where the octree proves little, the first mesh tells what there is, and has to be finer.
 constexpr double kCloseLook = 2.5;
@@ -151,6 +151,7 @@ class Adaptive {
     RemeshOptions remeshing;
     remeshing.tolerance = aim * request_.tolerance;
     remeshing.untangle = untangle;
+    remeshing.balance = request_.balance;
     remeshing.progress = request_.progress;
     RemeshStatistics remeshed;
     MesherResult result;

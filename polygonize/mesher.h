@@ -16,6 +16,9 @@ struct MesherRequest {
   double tolerance = 0.0;                  ///< largest distance, both ways; scene units, > 0
   double thinnest_radius = 0.0;            ///< the smallest radius of the surface's elements, > 0
   bool creased = false;                    ///< whether the surface may have creases
+  /// Whether vertices may be off the surface, within the tolerance, where that saves triangles. Of
+  /// the meshers below `adaptive` makes use of it.
+  bool balance = false;
   std::size_t max_nodes = 400'000'000;     ///< samples held at once
   std::size_t max_triangles = 50'000'000;  ///< beyond either, Failure::limit
   Progress* progress = nullptr;

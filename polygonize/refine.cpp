@@ -115,23 +115,32 @@ class Refiner {
     return LostPoint{foot.point, p, foot.distance, static_cast<std::uint32_t>(triangle)};
   }
 
-  /// The triangles among these that are too far, at one point or, where that is in doubt, at
-  /// several.
+  /// The triangles among these that are too far, at the sample point or the middle of an edge or,
+  /// where that is in doubt, elsewhere.
   std::vector<LostPoint> find_far(std::span<const std::size_t> triangles) const {
-    constexpr double kDoubt = 0.4;
+    constexpr double kDoubt = 0.5;
+    constexpr std::size_t kFirst = 4;  // points of a triangle
     std::vector<Vec3d> points;
-    for (const std::size_t t : triangles) points.push_back(sample_point(mesh_, t));
+    for (const std::size_t t : triangles) {
+      points.push_back(sample_point(mesh_, t));
+      const auto h = static_cast<HalfEdge>(3 * t);
+      for (const HalfEdge edge : {h, h + 1, h + 2}) points.push_back(middle(edge));
+    }
     std::vector<Jet> jets;
     evaluate(points, jets);
     std::vector<std::optional<LostPoint>> found(triangles.size());
     std::vector<Vec3d> closer;
     std::vector<std::size_t> doubtful;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const double distance = first_order_distance(jets[i], kInfinity);
-      found[i] = far_point(triangles[i], points[i], distance);
+      double most = 0.0;
+      for (std::size_t k = kFirst * i; k < kFirst * (i + 1) && !found[i]; ++k) {
+        const double distance = first_order_distance(jets[k], kInfinity);
+        found[i] = far_point(triangles[i], points[k], distance);
+        most = std::max(most, distance);
+      }
       if (found[i]) continue;
       const auto more = more_points(mesh_, triangles[i],
-                                    look_of(mesh_, triangles[i], jets[i], distance,
+                                    look_of(mesh_, triangles[i], jets[kFirst * i], most,
                                             kDoubt * options_.tolerance, options_.small));
       closer.insert(closer.end(), more.begin(), more.end());
       doubtful.insert(doubtful.end(), more.size(), i);

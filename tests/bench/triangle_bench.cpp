@@ -2,7 +2,7 @@
 // are beside the optimum of hexagons, their angles and valences, and which share of the tolerance
 // each of them needs.
 //
-//   triangle_bench SCENE TOLERANCE
+//   triangle_bench SCENE TOLERANCE [balance]
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -94,9 +94,9 @@ void print_shapes(const TriangleMesh& mesh) {
     angles.add(smallest_angle(mesh.positions[a], mesh.positions[b], mesh.positions[c]) / 60.0);
   }
   const TriangleShapes shapes = triangle_shapes(mesh);
-  std::printf("  smallest angle %.3g deg; below 20 deg: %zu, %.4f %%\n", shapes.min_angle_deg,
-              shapes.thin,
-              100.0 * static_cast<double>(shapes.thin) / static_cast<double>(mesh.triangles.size()));
+  std::printf(
+      "  smallest angle %.3g deg; below 20 deg: %zu, %.4f %%\n", shapes.min_angle_deg, shapes.thin,
+      100.0 * static_cast<double>(shapes.thin) / static_cast<double>(mesh.triangles.size()));
   angles.print("angles", 60.0);
   std::vector<int> valence(mesh.positions.size(), 0);
   for (const auto& t : mesh.triangles) {
@@ -112,14 +112,15 @@ void print_shapes(const TriangleMesh& mesh) {
   std::printf("\n");
 }
 
-int run(const char* path, double tolerance) {
+int run(const char* path, double tolerance, bool balance) {
   const Result<CompiledScene> compiled = bench::compile_file(path);
   if (!compiled) return 2;
   if (tolerance < 0) tolerance *= -compiled->extent.diagonal();
   for (const Part& part : compiled->parts) {
     const double start = processor_seconds();
-    const Result<MesherResult> made =
-        meshers().front().mesh(*part.surface, request_for(part, tolerance, nullptr));
+    MesherRequest request = request_for(part, tolerance, nullptr);
+    request.balance = balance;
+    const Result<MesherResult> made = meshers().front().mesh(*part.surface, request);
     if (!made || made->mesh.empty()) continue;
     const TriangleMesh& mesh = made->mesh;
     std::printf("%s %s tolerance %.3g: %zu triangles in %.2f s of processor time\n", path,
@@ -128,10 +129,11 @@ int run(const char* path, double tolerance) {
     // A triangle of circumradius c on a sphere of radius R is c^2 / (2 R) off.
     const double hexagonal = 0.385 / tolerance;
     const auto n = static_cast<double>(mesh.triangles.size());
-    std::printf("  of 0.385 / tolerance: %.3f times the integral of sqrt|k1 k2| (%.0f), "
-                "%.3f times that of max(|k1|, |k2|)\n",
-                n / (hexagonal * curvature.both), hexagonal * curvature.both,
-                n / (hexagonal * curvature.greater));
+    std::printf(
+        "  of 0.385 / tolerance: %.3f times the integral of sqrt|k1 k2| (%.0f), "
+        "%.3f times that of max(|k1|, |k2|)\n",
+        n / (hexagonal * curvature.both), hexagonal * curvature.both,
+        n / (hexagonal * curvature.greater));
     print_shapes(mesh);
     Histogram used(20);
     for (const double d : distances(*part.surface, mesh)) used.add(d / tolerance);
@@ -146,9 +148,9 @@ int run(const char* path, double tolerance) {
 int main(int argc, char** argv) {
   if (argc < 3) {
     std::fprintf(stderr,
-                 "usage: triangle_bench SCENE TOLERANCE\n"
+                 "usage: triangle_bench SCENE TOLERANCE [balance]\n"
                  "a tolerance below 0 is a part of the diagonal, as -0.001\n");
     return 2;
   }
-  return cs2mesh::run(argv[1], std::strtod(argv[2], nullptr));
+  return cs2mesh::run(argv[1], std::strtod(argv[2], nullptr), argc > 3);
 }
