@@ -9,6 +9,7 @@
 #include "libfield/base/check.h"
 #include "polygonize/both_ways.h"
 #include "polygonize/closest_point.h"
+#include "polygonize/improve.h"
 #include "polygonize/insert_points.h"
 #include "polygonize/mend_crossings.h"
 #include "polygonize/octree_mesh.h"
@@ -181,6 +182,7 @@ class Adaptive {
       RefineStatistics refined;
       mesh = refine(surface_, std::move(mesh), refinement, &refined);
       log_.jets += mesh.triangles.size();
+      if (pass == 0 && getenv("NOIMP") == nullptr) mesh = improve(surface_, std::move(mesh), improve_options());
       begin("mend");
       const MendedCrossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
       std::vector<LostPoint> lost = std::move(refined.far);
@@ -221,6 +223,14 @@ class Adaptive {
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
     return refinement;
+  }
+
+  ImproveOptions improve_options() const {
+    ImproveOptions improvement;
+    improvement.tolerance = kRefined * request_.tolerance;
+    improvement.small = kSmall * request_.tolerance;
+    improvement.progress = request_.progress;
+    return improvement;
   }
 
   void put_down(std::span<const LostPoint> lost, std::span<const Vec3d> crossing) {

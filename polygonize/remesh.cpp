@@ -50,7 +50,10 @@ class Remesher {
         options_.progress->report("remesh", static_cast<double>(round) / options_.rounds);
       }
       find_metrics();
-      for (const double share : {0.4, 0.6, kShortest}) collapse_short(share);
+      for (const double share : {0.4, 0.6, kShortest}) {
+        collapse_short(share);
+        close_gaps();
+      }
       even_out();
     }
     sound_ = kThinAngle + 1;
@@ -103,6 +106,24 @@ class Remesher {
     for (int round = 0; options_.untangle && round < kMostRounds; ++round) {
       if (collapse_crossings(mesh_) == 0) return;
     }
+  }
+
+  /// Numbers what is left anew where much of the mesh is gone.
+  void close_gaps() {
+    constexpr double kMuch = 0.3;
+    std::size_t gone = 0;
+    for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) gone += mesh_.alive(t) ? 0 : 1;
+    if (static_cast<double>(gone) < kMuch * static_cast<double>(mesh_.mesh().triangles.size())) {
+      return;
+    }
+    std::vector<Index> kept;
+    mesh_ = EditableMesh(mesh_.take(&kept));
+    const auto keep = [&](auto& of_vertex) {
+      for (std::size_t v = 0; v < kept.size(); ++v) of_vertex[v] = of_vertex[kept[v]];
+      of_vertex.resize(kept.size());
+    };
+    keep(normals_), keep(leaf_of_), keep(shapes_), keep(metrics_), keep(last_step_), keep(used_);
+    sort_by_place();
   }
 
   /// Which vertices are those of a triangle.
