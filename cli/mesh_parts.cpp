@@ -24,10 +24,12 @@ TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console
   return mesh;
 }
 
-TriangleMesh mesh_within_tolerance(const Part& part, const Mesher& mesher, double tolerance,
-                                   PartLog& log, Console& console) {
-  MesherResult result =
-      console.take(mesher.mesh(*part.surface, request_for(part, tolerance, &console.progress())));
+TriangleMesh mesh_within_tolerance(const Part& part, const Fineness& fineness, PartLog& log,
+                                   Console& console) {
+  const double tolerance = fineness.tolerance;
+  MesherRequest request = request_for(part, tolerance, &console.progress());
+  request.balance = fineness.balance;
+  MesherResult result = console.take(fineness.mesher->mesh(*part.surface, request));
   if (!result.reached) {
     // Infinite where triangles cross or nothing brings them near.
     const std::string what = std::isfinite(result.error)
@@ -51,6 +53,7 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
                      const CompiledScene& compiled) {
   const double diagonal = compiled.extent.diagonal();
   Fineness fineness;
+  fineness.balance = request.balance;
   fineness.mesher = find_mesher(request.mesher);
   fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
                        : scene.mesh.tolerance ? *scene.mesh.tolerance
@@ -72,8 +75,7 @@ MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const 
     PartLog log;
     log.name = part.name;
     TriangleMesh mesh = fineness.cell > 0 ? mesh_with_cell(part, fineness.cell, log, console)
-                                          : mesh_within_tolerance(part, *fineness.mesher,
-                                                                  fineness.tolerance, log, console);
+                                          : mesh_within_tolerance(part, fineness, log, console);
     console.stop_if_interrupted();
     if (mesh.empty()) {
       console.show({{Severity::warning, Failure::none, part.where,

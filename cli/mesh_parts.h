@@ -17,6 +17,7 @@ struct Fineness {
   double tolerance = 0.0;
   double cell = 0.0;               ///< 0: what the tolerance needs
   const Mesher* mesher = nullptr;  ///< where there is no cell
+  bool balance = false;            ///< as of MesherRequest
 };
 Fineness fineness_of(const MeshRequest& request, const Scene& scene, const CompiledScene& compiled);
 

@@ -24,6 +24,7 @@ struct MeshRequest {
   bool all_attributes = true;  ///< what format and scene have
   std::string up;              ///< "y", "z" or "": the scene's
   bool dry_run = false;
+  bool balance = false;  ///< vertices may be off the surface
   bool verify = false;
   bool certify = false;
   std::string certificate;  ///< a PLY of what is in doubt

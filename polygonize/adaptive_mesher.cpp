@@ -182,7 +182,7 @@ class Adaptive {
       RefineStatistics refined;
       mesh = refine(surface_, std::move(mesh), refinement, &refined);
       log_.jets += mesh.triangles.size();
-      if (pass == 0 && getenv("NOIMP") == nullptr) mesh = improve(surface_, std::move(mesh), improve_options());
+      if (pass == 0) mesh = improve(surface_, std::move(mesh), improve_options());
       begin("mend");
       const MendedCrossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
       std::vector<LostPoint> lost = std::move(refined.far);

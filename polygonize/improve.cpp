@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <numeric>
 #include <unordered_set>
 #include <vector>
 
@@ -9,6 +10,7 @@
 #include "polygonize/editable_mesh.h"
 #include "polygonize/far_triangles.h"
 #include "polygonize/sagitta.h"
+#include "polygonize/shape_operator.h"
 #include "polygonize/triangle_sample.h"
 #include "polygonize/triangle_shape.h"
 
@@ -30,7 +32,7 @@ enum class Kind : std::uint8_t { collapse, flip, move };
 struct Proposal {
   Kind kind{};
   HalfEdge edge = 0;
-  Vec3d place;  ///< of a moved vertex
+  Index place = 0;  ///< where a moved vertex would be: a number beyond those of the mesh
   std::size_t first = 0, count = 0;
 };
 
@@ -42,7 +44,7 @@ class Improver {
   }
 
   void run() {
-    constexpr double kFew = 0.002;  // of the triangles
+    constexpr double kFew = 0.0002;  // of the triangles
     for (int round = 0; round < options_.most_rounds && !cancelled(options_.progress); ++round) {
       if (options_.progress != nullptr) {
         options_.progress->report("improve", static_cast<double>(round) / options_.most_rounds);
@@ -59,7 +61,7 @@ class Improver {
 
  private:
   using Triangle = std::array<Index, 3>;
-  const Vec3d& position(Index v) const { return mesh_.mesh().positions[v]; }
+  const Vec3d& position(Index v) const { return positions_[v]; }
   Index start(HalfEdge h) const { return start_of(mesh_.mesh(), h); }
   Index end(HalfEdge h) const { return end_of(mesh_.mesh(), h); }
   double angle_of(const Triangle& t) const {
@@ -68,19 +70,27 @@ class Improver {
 
   /// The normal of the surface at each vertex, and its foot there.
   void look_at_vertices() {
-    const std::vector<Vec3d>& points = mesh_.mesh().positions;
-    normals_.resize(points.size());
-    feet_.resize(points.size());
-    for_each_neighbourhood(points.size(), [&](std::size_t first, std::size_t last) {
-      const std::vector<Jet> jets =
-          jets_at_neighbours(surface_, std::span(points).subspan(first, last - first));
-      for (std::size_t i = first; i < last; ++i) take_jet(i, points[i], jets[i - first]);
-    });
+    positions_ = mesh_.mesh().positions;
+    normals_.resize(positions_.size());
+    feet_.resize(positions_.size());
+    std::vector<Index> all(positions_.size());
+    std::iota(all.begin(), all.end(), Index{0});
+    look_at(all);
   }
-  void take_jet(std::size_t i, const Vec3d& p, const Jet& jet) {
-    const double slope = norm_of_any(jet.gradient);
-    normals_[i] = slope > 0 ? -1.0 / slope * jet.gradient : Vec3d{};
-    feet_[i] = slope > 0 ? p + leveled(jet.value) / slope * normals_[i] : p;
+  void look_at(std::span<const Index> vertices) {
+    for_each_neighbourhood(vertices.size(), [&](std::size_t first, std::size_t last) {
+      std::vector<Vec3d> points;
+      for (std::size_t i = first; i < last; ++i) points.push_back(position(vertices[i]));
+      const std::vector<Jet> jets = jets_at_neighbours(surface_, points);
+      for (std::size_t i = first; i < last; ++i) {
+        const Jet& jet = jets[i - first];
+        const double slope = norm_of_any(jet.gradient);
+        const Vec3d normal = slope > 0 ? -1.0 / slope * jet.gradient : Vec3d{};
+        normals_[vertices[i]] = normal;
+        feet_[vertices[i]] = points[i - first];
+        if (slope > 0) feet_[vertices[i]] += leveled(jet.value) / slope * normal;
+      }
+    });
   }
 
   // ---- What could be better ----
@@ -91,6 +101,11 @@ class Improver {
     proposals_.clear();
     made_.clear();
     touched_.assign(mesh_.mesh().positions.size(), false);
+    // Without the places of the last round.
+    positions_.resize(touched_.size());
+    normals_.resize(touched_.size());
+    feet_.resize(touched_.size());
+    shapes_ = shape_operators(mesh_.mesh(), normals_);
     const std::size_t count = mesh_.mesh().triangles.size();
     for (std::size_t t = 0; t < count; ++t) {
       if (mesh_.alive(t) && angle_of(mesh_.mesh().triangles[t]) < kSound) propose_for_thin(t);
@@ -105,13 +120,16 @@ class Improver {
       const auto h = static_cast<HalfEdge>(3 * triangle + k);
       if (propose_collapse(h) || propose_collapse(mesh_.opposite(h)) || propose_flip(h)) return;
     }
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (propose_move(static_cast<HalfEdge>(3 * triangle + k))) return;
+    }
   }
 
   /// Whether this was tried before in vain, at the same ends.
   bool refused(Kind kind, HalfEdge h) const { return refused_.contains(key(kind, h)); }
   std::uint64_t key(Kind kind, HalfEdge h) const {
     const std::uint64_t ends = (std::uint64_t{start(h)} << 32U) | end(h);
-    return 2 * ends + (kind == Kind::flip ? 1 : 0);
+    return 4 * ends + static_cast<std::uint64_t>(kind);
   }
 
   bool propose_collapse(HalfEdge h) {
@@ -156,11 +174,60 @@ class Improver {
     return true;
   }
 
+  /// Moves the start of h towards the mean of its neighbours.
+  bool propose_move(HalfEdge h) {
+    const Index v = start(h);
+    if (touched_[v] || refused(Kind::move, h)) return false;
+    Vec3d sum{};
+    double count = 0, now = kSound;
+    bool free = true;
+    mesh_.for_ring(h, [&](HalfEdge turn) {
+      free = free && !touched_[end(turn)];
+      sum += position(end(turn)) - position(v);
+      count += 1;
+      now = std::min(now, angle_of({v, end(turn), end(next_in_triangle(turn))}));
+    });
+    if (!free) return false;
+    const std::size_t first = made_.size();
+    for (const double share : {0.8, 0.4, 0.2}) {
+      const Index place = add_place(v, (share / count) * sum);
+      double then = kSound;
+      bool fits = true;
+      mesh_.for_ring(h, [&](HalfEdge turn) {
+        made_.push_back({place, end(turn), end(next_in_triangle(turn))});
+        then = std::min(then, angle_of(made_.back()));
+        fits = fits && then > now && follows(made_.back());
+      });
+      if (fits && then > now) {
+        add(Kind::move, h, first);
+        proposals_.back().place = place;
+        return true;
+      }
+      made_.resize(first);
+      positions_.pop_back(), normals_.pop_back(), feet_.pop_back();
+    }
+    return false;
+  }
+
+  /// Where a vertex would be that goes along the surface by the part of `way` that does, no farther
+  /// from the surface than it is.
+  Index add_place(Index v, const Vec3d& way) {
+    const Vec3d step = way - dot(way, normals_[v]) * normals_[v];
+    const Vec3d turn = shapes_[v] * step;
+    const Vec3d along = step - 0.5 * dot(step, turn) * normals_[v];
+    positions_.push_back(positions_[v] + along);
+    normals_.push_back(normalized(normals_[v] + turn));
+    feet_.push_back(feet_[v] + along);
+    return static_cast<Index>(positions_.size() - 1);
+  }
+
   void add(Kind kind, HalfEdge h, std::size_t first) {
     proposals_.push_back({kind, h, {}, first, made_.size() - first});
     touched_[start(h)] = true;
     for (std::size_t i = first; i < made_.size(); ++i) {
-      for (const Index v : made_[i]) touched_[v] = true;
+      for (const Index v : made_[i]) {
+        if (v < touched_.size()) touched_[v] = true;
+      }
     }
   }
 
@@ -192,10 +259,10 @@ class Improver {
   /// Carries out the proposals none of whose triangles is too far; returns how many.
   std::size_t carry_out() {
     TriangleMesh proposed;
-    proposed.positions = mesh_.mesh().positions;
+    proposed.positions = positions_;
     proposed.triangles = made_;
     std::vector<std::size_t> all(made_.size());
-    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    std::iota(all.begin(), all.end(), std::size_t{0});
     std::vector<char> far(made_.size(), 0);
     const FarOptions far_options{options_.tolerance, options_.small, 100 * options_.tolerance};
     for_each_neighbourhood(all.size(), [&](std::size_t first, std::size_t last) {
@@ -205,6 +272,7 @@ class Improver {
       }
     });
     std::size_t changed = 0;
+    std::vector<Index> moved;
     for (const Proposal& proposal : proposals_) {
       const auto first = far.begin() + static_cast<std::ptrdiff_t>(proposal.first);
       const auto last = first + static_cast<std::ptrdiff_t>(proposal.count);
@@ -213,12 +281,34 @@ class Improver {
         ++statistics.refused;
       } else if (carry_out(proposal)) {
         ++changed;
+        if (proposal.kind == Kind::move) moved.push_back(start(proposal.edge));
       }
     }
+    bring_back(moved);
     return changed;
   }
 
+  /// Vertices that were moved, to the height above the surface that they had.
+  void bring_back(std::span<const Index> moved) {
+    std::vector<double> height;
+    for (const Index v : moved) height.push_back(dot(position(v) - feet_[v], normals_[v]));
+    look_at(moved);
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      const Index v = moved[i];
+      positions_[v] = feet_[v] + height[i] * normals_[v];
+      mesh_.move_vertex(v, positions_[v]);
+    }
+  }
+
   bool carry_out(const Proposal& proposal) {
+    if (proposal.kind == Kind::move) {
+      const Index v = start(proposal.edge);
+      positions_[v] = positions_[proposal.place];
+      normals_[v] = normals_[proposal.place];
+      feet_[v] = feet_[proposal.place];
+      ++statistics.moves;
+      return true;
+    }
     if (proposal.kind == Kind::flip) {
       if (!mesh_.flip_edge(proposal.edge)) return false;
       ++statistics.flips;
@@ -234,7 +324,10 @@ class Improver {
   const ImplicitSurface& surface_;
   const ImproveOptions& options_;
   EditableMesh mesh_;
-  std::vector<Vec3d> normals_, feet_;  ///< of the surface, for each vertex
+  /// For each vertex, and then for each place that one may move to: it, and of the surface there
+  /// the normal and the foot.
+  std::vector<Vec3d> positions_, normals_, feet_;
+  std::vector<Symmetric3> shapes_;
   std::vector<Proposal> proposals_;
   std::vector<Triangle> made_;  ///< by the proposals
   std::vector<bool> touched_;   ///< vertices

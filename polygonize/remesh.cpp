@@ -56,6 +56,7 @@ class Remesher {
       }
       even_out();
     }
+    stretch_ = kLastStretch;
     sound_ = kThinAngle + 1;
     for (int round = 0; round < kFittings && !cancelled(options_.progress); ++round) {
       find_metrics();
@@ -260,7 +261,7 @@ class Remesher {
     shapes_ = shape_operators(mesh_.mesh(), normals_);
     metrics_.resize(shapes_.size());
     for (std::size_t v = 0; v < shapes_.size(); ++v) {
-      metrics_[v] = bend_metric(shapes_[v], normals_[v], kStretch);
+      metrics_[v] = bend_metric(shapes_[v], normals_[v], stretch_);
     }
   }
 
@@ -560,8 +561,9 @@ class Remesher {
   static constexpr double kRough = 0.6;     ///< the same where normals turn much between corners
   static constexpr double kFar = 0.97;      ///< of the tolerance, beyond which triangles are split
   static constexpr double kShortest = 0.8;  ///< of the length that suits the curvature
-  static constexpr double kStretch = 4.0;   ///< most ratio of curvatures that triangles follow
-  static constexpr double kTurn = 0.2;      ///< least cosine between a triangle and its normals
+  /// Most ratio of curvatures that triangles follow, at first and last.
+  static constexpr double kStretch = 4.0, kLastStretch = 3.0;
+  static constexpr double kTurn = 0.2;  ///< least cosine between a triangle and its normals
 
   const ImplicitSurface& surface_;
   const SurfaceOctree& tree_;
@@ -575,7 +577,8 @@ class Remesher {
   std::vector<Index> order_;
   std::vector<bool> used_;
   /// Triangles with angles below this, in degrees, are not made of better ones.
-  double sound_ = 0.5 * kThinAngle;
+  double sound_ = kThinAngle;
+  double stretch_ = kStretch;  ///< most ratio of curvatures that triangles follow
 };
 
 }  // namespace
