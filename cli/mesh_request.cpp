@@ -1,5 +1,6 @@
 #include "cli/mesh_request.h"
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 
 #include "cli/output_files.h"

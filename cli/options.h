@@ -1,7 +1,6 @@
 // The options that verbs share, and how a command line is taken apart.
 #pragma once
 
-#include <CLI/CLI.hpp>
 #include <cstdint>
 #include <map>
 #include <optional>
@@ -12,6 +11,12 @@
 #include "cli/run_limits.h"
 #include "libfield/base/aabb.h"
 #include "libfield/scene/scene.h"
+
+// Only what takes options apart pays for their library.
+namespace CLI {
+class App;
+class Option;
+}  // namespace CLI
 
 namespace cs2mesh {
 

@@ -1,5 +1,7 @@
 #include "cli/report_html.h"
 
+#include <nlohmann/json.hpp>
+
 #include "cli/html_text.h"
 #include "cli/printed.h"
 #include "cli/report_rows.h"

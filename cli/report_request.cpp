@@ -1,5 +1,7 @@
 #include "cli/report_request.h"
 
+#include <CLI/CLI.hpp>
+
 #include "cli/output_files.h"
 
 namespace cs2mesh {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "cli/mesh_parts.h"
 #include "cli/printed.h"

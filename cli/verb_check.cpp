@@ -1,4 +1,7 @@
 // cs2mesh check: is a mesh closed, manifold, free of self-intersections, and if not, where?
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
 #include "cli/mesh_report.h"
 #include "cli/verbs.h"
 #include "polygonize/mesh_file.h"

@@ -1,5 +1,7 @@
 // cs2mesh compare: how far is a mesh, from any tool, from the exact surface?
+#include <CLI/CLI.hpp>
 #include <cstdio>
+#include <nlohmann/json.hpp>
 
 #include "cli/load_scene.h"
 #include "cli/mesh_parts.h"

@@ -1,6 +1,8 @@
 // cs2mesh info: what a scene holds.
+#include <CLI/CLI.hpp>
 #include <cstdio>
 #include <map>
+#include <nlohmann/json.hpp>
 #include <string>
 
 #include "cli/load_scene.h"

@@ -1,5 +1,6 @@
 // cs2mesh probe: the field at given points.
 #include <tbb/parallel_for.h>
+#include <CLI/CLI.hpp>
 
 #include <charconv>
 #include <cmath>

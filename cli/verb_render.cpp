@@ -1,5 +1,7 @@
 // cs2mesh render: the reference image.
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "cli/interrupt.h"
 #include "cli/load_scene.h"

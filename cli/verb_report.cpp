@@ -1,6 +1,7 @@
 // cs2mesh report: which mesher is how exact in which time? One page that tells it in numbers, plots
 // and pictures.
 #include <algorithm>
+#include <nlohmann/json.hpp>
 
 #include "cli/interrupt.h"
 #include "cli/load_scene.h"

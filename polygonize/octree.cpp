@@ -74,14 +74,15 @@ Int3 meeting_point(const Octree& octree, const DualCell& cell) {
 namespace {
 
 /// The walk of Ju, Losasso, Schaefer and Warren ("Dual contouring of Hermite data", 2002, figure 3)
-/// down to the corners of leaves. Skips groups of cells between which no corner is wanted, as
+/// down to the corners and faces of leaves. Skips groups of cells between which none is wanted, as
 /// skip(cells) tells.
 template <class Skip>
 class DualWalk {
  public:
   using Index = Octree::Index;
-  DualWalk(const Octree& octree, const Skip& skip, std::vector<DualCell>& found)
-      : octree_(octree), skip_(skip), found_(found) {}
+  DualWalk(const Octree& octree, const Skip& skip) : octree_(octree), skip_(skip) {}
+
+  DualGrid found;
 
   void inside(Index cell) {
     if (octree_.is_leaf(cell) || skip_(std::span(&cell, 1))) return;
@@ -120,13 +121,6 @@ class DualWalk {
   bool all_leaves(const Cells& cells) const {
     return std::all_of(cells.begin(), cells.end(), [&](Index c) { return octree_.is_leaf(c); });
   }
-  /// Whether no dual cell between these cells is mixed.
-  template <class Cells>
-  bool settled(const Cells& cells) const {
-    const bool side = octree_[cells[0]].inside;
-    return std::all_of(cells.begin(), cells.end(),
-                       [&](Index c) { return octree_[c].uniform && octree_[c].inside == side; });
-  }
   Index child(Index cell, unsigned corner) const {
     return octree_.child(cell, static_cast<int>(corner));
   }
@@ -134,7 +128,11 @@ class DualWalk {
   /// Two cells that share a face; `high` follows `low` along the axis.
   void across_face(const Axes& a, Index low, Index high) {
     const std::array<Index, 2> both{low, high};
-    if (all_leaves(both) || skip_(std::span<const Index>(both))) return;
+    if (skip_(std::span<const Index>(both))) return;
+    if (all_leaves(both)) {
+      found.edges.push_back(both);
+      return;
+    }
     DualCell around;  // by corner, as seen from the middle of the face
     for (unsigned uv = 0; uv < 4; ++uv) {
       around[a.bits(0, uv)] = child(low, a.bits(1, uv));
@@ -167,7 +165,7 @@ class DualWalk {
   void at_corner(DualCell cells) {
     while (!skip_(std::span<const Index>(cells))) {
       if (all_leaves(cells)) {
-        found_.push_back(cells);
+        found.cells.push_back(cells);
         return;
       }
       for (unsigned i = 0; i < 8; ++i) cells[i] = child(cells[i], 7 - i);
@@ -176,28 +174,28 @@ class DualWalk {
 
   const Octree& octree_;
   const Skip& skip_;
-  std::vector<DualCell>& found_;
 };
 
 template <class Skip>
-std::vector<DualCell> walk(const Octree& octree, const Skip& skip) {
-  std::vector<DualCell> found;
-  DualWalk(octree, skip, found).inside(0);
-  return found;
+DualGrid walk(const Octree& octree, const Skip& skip) {
+  DualWalk<Skip> walk(octree, skip);
+  walk.inside(0);
+  return std::move(walk.found);
 }
 
 }  // namespace
 
 std::vector<DualCell> mixed_dual_cells(const Octree& octree) {
-  return walk(octree, [&](std::span<const Octree::Index> cells) {
+  const auto settled = [&](std::span<const Octree::Index> cells) {
     const bool side = octree[cells[0]].inside;
     return std::all_of(cells.begin(), cells.end(), [&](Octree::Index c) {
       return octree[c].uniform && octree[c].inside == side;
     });
-  });
+  };
+  return walk(octree, settled).cells;
 }
 
-std::vector<DualCell> dual_cells_around(const Octree& octree, const std::vector<bool>& marked) {
+DualGrid dual_grid_around(const Octree& octree, const std::vector<bool>& marked) {
   return walk(octree, [&](std::span<const Octree::Index> cells) {
     return std::none_of(cells.begin(), cells.end(), [&](Octree::Index c) { return marked[c]; });
   });

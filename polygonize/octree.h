@@ -72,8 +72,18 @@ Int3 meeting_point(const Octree& octree, const DualCell& cell);
 /// primal contouring of dual grids", 2004).
 std::vector<DualCell> mixed_dual_cells(const Octree& octree);
 
-/// Every corner of leaves within the root around which one of the marked cells lies, once each;
-/// `marked` holds for each cell whether a leaf in it is marked.
-std::vector<DualCell> dual_cells_around(const Octree& octree, const std::vector<bool>& marked);
+/// Two leaves that share a part of a face: the ends of an edge of the dual grid.
+using DualEdge = std::array<Octree::Index, 2>;
+
+/// A part of the dual grid.
+struct DualGrid {
+  std::vector<DualCell> cells;
+  std::vector<DualEdge> edges;
+};
+
+/// Every corner of leaves within the root around which one of the marked cells lies, and every edge
+/// of the dual grid of which one is an end, once each; `marked` holds for each cell whether a leaf
+/// in it is marked.
+DualGrid dual_grid_around(const Octree& octree, const std::vector<bool>& marked);
 
 }  // namespace cs2mesh

@@ -10,6 +10,7 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/cell_table.h"
+#include "polygonize/crossing_count.h"
 #include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
@@ -245,10 +246,7 @@ void SurfaceOctree::take(Index cell, const Opened& opened, std::vector<Index>& o
     surface_of_.push_back(number);
     if (child.cut) open.push_back(index);
   }
-  counts_.values += opened.counts.values;
-  counts_.gradients += opened.counts.gradients;
-  counts_.enclosures += opened.counts.enclosures;
-  counts_.slopes += opened.counts.slopes;
+  counts_ += opened.counts;
 }
 
 /// Cuts these leaves and what is to be cut of them; false if cancelled or too many.
@@ -280,31 +278,31 @@ std::vector<Octree::Index> numbers_of(const std::vector<bool>& chosen) {
 
 }  // namespace
 
-/// Chooses the largest leaves of a dual cell, of those that may hold surface; false if they may not
-/// be cut.
-bool SurfaceOctree::choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
-                                   std::vector<bool>& chosen) const {
+/// Chooses the largest of these leaves, of those that may hold surface, to be cut. If they may not
+/// be, all are open.
+void SurfaceOctree::choose_largest(std::span<const Index> leaves, double smallest,
+                                   std::vector<bool>& chosen) {
   int level = Octree::kMostLevels;
-  for (const Index leaf : cell) {
+  for (const Index leaf : leaves) {
     if (kinds_[leaf] != LeafKind::empty) level = std::min<int>(level, octree_[leaf].level);
   }
-  if (octree_.side(level) < 2 * options.smallest) return false;
-  for (const Index leaf : cell) {
-    if (kinds_[leaf] != LeafKind::empty && octree_[leaf].level == level) chosen[leaf] = true;
+  const bool small = level >= Octree::kMostLevels || octree_.side(level) < 2 * smallest;
+  for (const Index leaf : leaves) {
+    if (kinds_[leaf] == LeafKind::empty) continue;
+    if (small) kinds_[leaf] = LeafKind::open;
+    if (!small && octree_[leaf].level == level) chosen[leaf] = true;
   }
-  return true;
 }
 
 /// The largest leaves of dual cells that the surface seems to cut in several pieces, and leaves
 /// that may hold surface, unless it is proven to be a sheet, while all leaves around are on their
 /// side. (A sheet leaves such a leaf as it came, so the mesh misses a bump, not a piece.)
-std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(
-    const SurfaceOctreeOptions& options) const {
+std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(const SurfaceOctreeOptions& options) {
   std::vector<bool> seen(octree_.size(), false), chosen(octree_.size(), false);
   for (const DualCell& cell : mixed_dual_cells(octree_)) {
     for (const Index leaf : cell) seen[leaf] = true;
     const CellCase& cut = cube_table().cases[inside_corners(octree_, cell)];
-    if (cut.ambiguous || cut.cycle_count > 1) choose_largest(cell, options, chosen);
+    if (cut.ambiguous || cut.cycle_count > 1) choose_largest(cell, options.smallest, chosen);
   }
   for (Index i = 0; i < octree_.size(); ++i) {
     const bool small = octree_.side(octree_[i].level) < 2 * options.smallest;
@@ -339,8 +337,67 @@ bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
   return grows;
 }
 
+/// Whether F, seen from the ends of an edge of the dual grid, seems to pass through zero just as
+/// their sides tell: whether it grows away from zero at one end at least if they are on one side,
+/// and towards zero at both if not. Ends in empty leaves, on whose part of the edge F has no zero,
+/// say nothing.
+bool SurfaceOctree::looks_crossed_as_told(const DualEdge& edge) const {
+  const bool same_side = octree_[edge[0]].inside == octree_[edge[1]].inside;
+  bool as_told = !same_side;
+  bool known = false;
+  for (const std::size_t i : {0U, 1U}) {
+    const Index leaf = edge[i];
+    if (kinds_[leaf] == LeafKind::empty) continue;
+    known = true;
+    const Vec3d way = octree_.center(edge[1 - i]) - octree_.center(leaf);
+    const bool towards = (dot(jets_[leaf].gradient, way) < 0) == octree_[leaf].inside;
+    as_told = same_side ? as_told || !towards : as_told && towards;
+  }
+  return as_told || !known;
+}
+
+/// Whether the surface crosses an edge of the dual grid as often as the sides of its ends tell:
+/// once, or not at all. One sheet in each cell does not say so: where normals turn by nearly half a
+/// turn in each, a channel through edges may be a tunnel in the end. (Plantinga and Vegter,
+/// "Isotopic meshing of implicit surfaces", 2007, have less than a quarter of a turn.) Proven where
+/// the jets at the ends leave doubts.
+bool SurfaceOctree::is_crossed_as_told(const DualEdge& edge, Counts& counts) const {
+  if (looks_crossed_as_told(edge)) return true;
+  int crossings = 0;
+  for (const std::size_t i : {0U, 1U}) {
+    const Index leaf = edge[i], other = edge[1 - i];
+    if (kinds_[leaf] == LeafKind::empty) continue;
+    const double side = octree_.side(octree_[leaf].level);
+    const double share = side / (side + octree_.side(octree_[other].level));
+    const Vec3d center = octree_.center(leaf);
+    const Vec3d on_face = center + share * (octree_.center(other) - center);
+    crossings += count_crossings(surface_at(leaf), center, jets_[leaf], on_face, counts);
+  }
+  return crossings == (octree_[edge[0]].inside == octree_[edge[1]].inside ? 0 : 1);
+}
+
+/// Asks of each item in parallel whether it is proven; hands those that are not to `fail`, in
+/// order.
+template <class Item, class Proven, class Fail>
+void SurfaceOctree::ask_each(std::span<const Item> items, const SurfaceOctreeOptions& options,
+                             const Proven& proven, const Fail& fail) {
+  constexpr std::size_t kChunk = 256;
+  std::vector<char> good(items.size(), 1);
+  std::vector<Counts> counts((items.size() + kChunk - 1) / kChunk);
+  tbb::parallel_for(std::size_t{0}, counts.size(), [&](std::size_t chunk) {
+    const std::size_t last = std::min(kChunk * (chunk + 1), items.size());
+    for (std::size_t i = kChunk * chunk; i < last && !cancelled(options.progress); ++i) {
+      good[i] = proven(items[i], counts[chunk]) ? 1 : 0;
+    }
+  });
+  for (const Counts& part : counts) counts_ += part;
+  for (std::size_t i = 0; i < items.size(); ++i) {
+    if (good[i] == 0) fail(items[i]);
+  }
+}
+
 /// The largest leaves of dual cells that are not simple, of those around leaves from `first_new`
-/// on. Leaves that are too small to be cut for it are open.
+/// on, and of edges of theirs that the surface may cross too often.
 std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
                                                          const SurfaceOctreeOptions& options) {
   std::vector<bool> marked(octree_.size(), false);
@@ -352,24 +409,18 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
       for (int c = 0; c < 8; ++c) marked[i] = marked[i] || marked[octree_.child(cell, c)];
     }
   }
-  const std::vector<DualCell> cells = dual_cells_around(octree_, marked);
+  const DualGrid grid = dual_grid_around(octree_, marked);
   std::vector<bool> chosen(octree_.size(), false);
-  std::vector<char> simple(cells.size(), 1);
-  constexpr std::size_t kChunk = 256;
-  std::vector<std::size_t> slopes((cells.size() + kChunk - 1) / kChunk, 0);
-  tbb::parallel_for(std::size_t{0}, slopes.size(), [&](std::size_t chunk) {
-    const std::size_t last = std::min(kChunk * (chunk + 1), cells.size());
-    for (std::size_t i = kChunk * chunk; i < last && !cancelled(options.progress); ++i) {
-      simple[i] = is_simple(cells[i], slopes[chunk]) ? 1 : 0;
-    }
-  });
-  counts_.slopes += std::accumulate(slopes.begin(), slopes.end(), std::size_t{0});
-  for (std::size_t i = 0; i < cells.size(); ++i) {
-    if (simple[i] != 0 || choose_largest(cells[i], options, chosen)) continue;
-    for (const Index leaf : cells[i]) {
-      if (kinds_[leaf] != LeafKind::empty) kinds_[leaf] = LeafKind::open;
-    }
-  }
+  // A channel through an edge is thinner than a cell, and they are few.
+  constexpr double kBelow = 0.25;
+  ask_each(
+      std::span<const DualCell>(grid.cells), options,
+      [&](const DualCell& cell, Counts& counts) { return is_simple(cell, counts.slopes); },
+      [&](const DualCell& cell) { choose_largest(cell, options.smallest, chosen); });
+  ask_each(
+      std::span<const DualEdge>(grid.edges), options,
+      [&](const DualEdge& edge, Counts& counts) { return is_crossed_as_told(edge, counts); },
+      [&](const DualEdge& edge) { choose_largest(edge, kBelow * options.smallest, chosen); });
   return numbers_of(chosen);
 }
 

@@ -2,6 +2,7 @@
 // tolerance where they hold it and simple there.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <limits>
 #include <memory>
@@ -11,13 +12,15 @@
 #include "libfield/base/progress.h"
 #include "libfield/base/result.h"
 #include "libfield/field/implicit_surface.h"
+#include "polygonize/crossing_count.h"
 #include "polygonize/octree.h"
 
 namespace cs2mesh {
 
 struct SurfaceOctreeOptions {
   double tolerance = 0.0;  ///< of the mesh to come; scene units, > 0
-  /// Cells are not cut below this side, times two; scene units, > 0.
+  /// Cells are not cut below this side, times two; scene units, > 0. Those between whose centres
+  /// the surface comes and goes, a quarter of it.
   double smallest = 0.0;
   /// Cells that may hold surface are cut above this side; scene units, > 0.
   double largest = std::numeric_limits<double>::infinity();
@@ -43,10 +46,7 @@ class SurfaceOctree {
  public:
   using Index = Octree::Index;
 
-  struct Counts {
-    std::size_t values = 0, gradients = 0;  ///< evaluations; a jet is one of each
-    std::size_t enclosures = 0, slopes = 0;
-  };
+  using Counts = FieldCounts;
 
   /// `surface` has finite bounds that are not empty (else ContractViolation) and outlives this.
   /// Errors: Failure::limit, Failure::interrupted. The same octree for any number of threads.
@@ -54,9 +54,11 @@ class SurfaceOctree {
   /// A cell is cut unless it is empty, or simple and no larger than triangles may be that stay
   /// within the tolerance where the normals turn as they do between it and its siblings. Then cells
   /// are cut between whose centres, that is in dual cells, the surface is not simple or the mesh of
-  /// the dual grid would have several pieces, and those around which it would have none; so that
-  /// neither pieces nor gaps thinner than a cell are lost. Not promised: that the curvature is the
-  /// largest in the cell.
+  /// the dual grid would have several pieces, those between whose centres it crosses the straight
+  /// way more often than their sides tell, as far as F falls towards zero at both, and those around
+  /// which it would have none; so that neither pieces nor gaps thinner than a cell are lost. Not
+  /// promised: that the curvature is the largest in the cell, nor a proof of the topology as a
+  /// whole (topology_proof.h and certificate.h have that).
   static Result<SurfaceOctree> build(const ImplicitSurface& surface,
                                      const SurfaceOctreeOptions& options);
 
@@ -88,11 +90,15 @@ class SurfaceOctree {
   void judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const;
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
   void take(Index cell, const Opened& opened, std::vector<Index>& open);
-  std::vector<Index> unclear(const SurfaceOctreeOptions& options) const;
-  bool choose_largest(const DualCell& cell, const SurfaceOctreeOptions& options,
-                      std::vector<bool>& chosen) const;
+  std::vector<Index> unclear(const SurfaceOctreeOptions& options);
+  void choose_largest(std::span<const Index> leaves, double smallest, std::vector<bool>& chosen);
   std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
   bool is_simple(const DualCell& cell, std::size_t& slopes) const;
+  bool looks_crossed_as_told(const DualEdge& edge) const;
+  bool is_crossed_as_told(const DualEdge& edge, Counts& counts) const;
+  template <class Item, class Proven, class Fail>
+  void ask_each(std::span<const Item> items, const SurfaceOctreeOptions& options,
+                const Proven& proven, const Fail& fail);
 
   SurfaceOctreeOptions options_;
   Octree octree_;

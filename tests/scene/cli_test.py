@@ -3,11 +3,8 @@
 import json
 import math
 import os
-import signal
-import subprocess
-import time
 
-from harness import BALL, PROGRAM, SceneTest, main
+from harness import BALL, SceneTest, main
 
 
 class Usage(SceneTest):
@@ -206,17 +203,7 @@ class Outputs(SceneTest):
 
     def test_interrupt_leaves_nothing(self):
         scene = self.file("ball.art", BALL)
-        before = sorted(self.folder.rglob("*"))
-        process = subprocess.Popen(
-            [PROGRAM, scene, "out.obj", "--tolerance", "0.00003", "-q"],
-            cwd=self.folder,
-            stderr=subprocess.PIPE,
-        )
-        time.sleep(0.3)
-        process.send_signal(signal.SIGINT)
-        _, words = process.communicate(timeout=120)
-        self.assertEqual(process.returncode, 130, words)
-        self.assertEqual(sorted(self.folder.rglob("*")), before)
+        self.interrupted(scene, "out.obj", "--tolerance", "0.00003", "-q")
 
 
 class Limits(SceneTest):

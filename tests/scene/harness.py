@@ -3,9 +3,11 @@
 import json
 import os
 import pathlib
+import signal
 import struct
 import subprocess
 import tempfile
+import time
 import unittest
 
 PROGRAM = os.environ["CS2MESH"]
@@ -52,8 +54,30 @@ class SceneTest(unittest.TestCase):
         self.assertEqual(sorted(self.folder.rglob("*")), before)
         return done
 
+    def interrupted(self, *arguments):
+        """Runs, presses Ctrl-C at work, expects status 130 and that nothing new lies there."""
+        before = sorted(self.folder.rglob("*"))
+        process = subprocess.Popen(
+            [PROGRAM, *map(str, arguments)], cwd=self.folder, stderr=subprocess.PIPE
+        )
+        deadline = time.monotonic() + 60
+        while not catches(process.pid, signal.SIGINT) and time.monotonic() < deadline:
+            time.sleep(0.01)
+        time.sleep(0.3)
+        process.send_signal(signal.SIGINT)
+        _, words = process.communicate(timeout=120)
+        self.assertEqual(process.returncode, 130, words)
+        self.assertEqual(sorted(self.folder.rglob("*")), before)
+
     def report(self, *arguments, **options):
         return json.loads(self.succeed(*arguments, "--json", **options).stdout)
+
+
+def catches(process, number):
+    """Whether the running process has set up a handler of the signal (Linux)."""
+    status = pathlib.Path(f"/proc/{process}/status").read_text(encoding="ascii")
+    caught = next(line for line in status.splitlines() if line.startswith("SigCgt:"))
+    return int(caught.split()[1], 16) >> (number - 1) & 1 == 1
 
 
 def glb_json(path):

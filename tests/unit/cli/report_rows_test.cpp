@@ -1,6 +1,7 @@
 #include "cli/report_rows.h"
 
 #include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
 
 #include <limits>
 

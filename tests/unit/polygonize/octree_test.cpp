@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
 #include <set>
 
@@ -65,7 +66,7 @@ TEST(Octree, AnEvenTreeHasTheDualCellsOfALattice) {
     if (octree[cell].level < 3) octree.split(cell);
   }
   const std::vector<bool> all(octree.size(), true);
-  const std::vector<DualCell> cells = dual_cells_around(octree, all);
+  const std::vector<DualCell> cells = dual_grid_around(octree, all).cells;
   EXPECT_EQ(cells.size(), 343U);  // the inner nodes of 8^3 cells
   for (const DualCell& cell : cells) {
     const Vec3d middle = octree.point(meeting_point(octree, cell));
@@ -95,7 +96,7 @@ TEST(Octree, EveryCornerOfLeavesHasOneDualCell) {
       }
     }
     const std::vector<DualCell> cells =
-        dual_cells_around(octree, std::vector<bool>(octree.size(), true));
+        dual_grid_around(octree, std::vector<bool>(octree.size(), true)).cells;
     EXPECT_EQ(cells.size(), corners.size());
     for (const DualCell& cell : cells) {
       const Int3 at = meeting_point(octree, cell);
@@ -104,11 +105,36 @@ TEST(Octree, EveryCornerOfLeavesHasOneDualCell) {
   }
 }
 
+TEST(Octree, LeavesThatShareAPartOfAFaceHaveOneDualEdge) {
+  Random random(5, 1);
+  const Octree octree = random_octree(random, 4);
+  const auto share_a_face = [&](Octree::Index a, Octree::Index b) {
+    const Aabb p = octree.box(a), q = octree.box(b);
+    const Aabb common{max(p.min, q.min), min(p.max, q.max)};
+    const Vec3d extent = common.extent();
+    return !common.empty() && (extent.x > 0) + (extent.y > 0) + (extent.z > 0) == 2;
+  };
+  std::size_t expected = 0;
+  for (Octree::Index a = 0; a < octree.size(); ++a) {
+    for (Octree::Index b = 0; b < a && octree.is_leaf(a); ++b) {
+      if (octree.is_leaf(b) && share_a_face(a, b)) ++expected;
+    }
+  }
+  const std::vector<bool> all(octree.size(), true);
+  std::set<DualEdge> found;
+  for (const auto& [a, b] : dual_grid_around(octree, all).edges) {
+    EXPECT_TRUE(share_a_face(a, b));
+    EXPECT_TRUE(found.insert({std::min(a, b), std::max(a, b)}).second);
+  }
+  EXPECT_EQ(found.size(), expected);
+}
+
 TEST(Octree, MixedDualCellsAreThoseWithBothSides) {
   Random random(4, 1);
   const Octree octree = random_octree(random, 4);
   std::size_t mixed = 0;
-  for (const DualCell& cell : dual_cells_around(octree, std::vector<bool>(octree.size(), true))) {
+  const std::vector<bool> all(octree.size(), true);
+  for (const DualCell& cell : dual_grid_around(octree, all).cells) {
     const unsigned inside = inside_corners(octree, cell);
     if (inside != 0 && inside != 0xff) ++mixed;
   }

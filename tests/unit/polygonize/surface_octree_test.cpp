@@ -142,7 +142,7 @@ Result<CompiledScene> random_balls(Random& random) {
 
 TEST(AdaptiveMesher, ProvenTopologiesAreTheSameAtEveryTolerance) {
   Random random(9, 1);
-  for (int round = 0; round < 8; ++round) {
+  for (int round = 0; round < 12; ++round) {
     const Result<CompiledScene> compiled = random_balls(random);
     std::vector<std::array<std::size_t, 2>> found;
     for (const double tolerance : {0.08, 0.02}) {
