@@ -26,7 +26,8 @@ constexpr double kSmall = 8.0;
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
-constexpr double kRefined = 0.93, kLost = 0.95, kAccept = 0.97;
+constexpr double kRefinedBlindly = 0.88;  // where what the mesh misses is found by chance
+constexpr double kRefined = 0.93, kLost = 0.93, kAccept = 0.97;
 
 /// Where the octree proves little, the first mesh tells what there is, and has to be finer.
 constexpr double kCloseLook = 2.5;
@@ -219,16 +220,20 @@ class Adaptive {
   RefineOptions refine_options() const {
     RefineOptions refinement;
     refinement.tolerance = kRefined * request_.tolerance;
-    refinement.small = kSmall * request_.tolerance;
+    refinement.small = closely();
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
     return refinement;
   }
 
+  /// The side of triangles that are looked at closely: all where vertices are off the surface, as
+  /// little can be told from a few points then.
+  double closely() const { return request_.balance ? HUGE_VAL : kSmall * request_.tolerance; }
+
   ImproveOptions improve_options() const {
     ImproveOptions improvement;
     improvement.tolerance = kRefined * request_.tolerance;
-    improvement.small = kSmall * request_.tolerance;
+    improvement.small = closely();
     improvement.progress = request_.progress;
     return improvement;
   }
@@ -269,7 +274,7 @@ class Adaptive {
     };
     if (cross()) return HUGE_VAL;
     BothWaysOptions options;
-    options.enough = kRefined * request_.tolerance;
+    options.enough = kRefinedBlindly * request_.tolerance;
     options.small = request_.tolerance;
     options.max_triangles = request_.max_triangles;
     options.progress = request_.progress;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "libfield/base/check.h"
+#include "polygonize/closest_point.h"
 #include "polygonize/editable_mesh.h"
 #include "polygonize/far_triangles.h"
 #include "polygonize/sagitta.h"
@@ -145,11 +146,12 @@ class Improver {
       now = std::min(now, angle_of(old));
       if (turn == h || triangle_of(turn) == triangle_of(back)) return;
       const Triangle made{b, old[1], old[2]};
-      fits = !touched_[old[1]] && !touched_[old[2]] && follows(made) && holds(made, a);
+      fits = !touched_[old[1]] && !touched_[old[2]] && follows(made);
       then = std::min(then, angle_of(made));
       made_.push_back(made);
     });
-    if (!fits || (then < kSound && then <= now) || !mesh_.can_collapse(h)) {
+    if (!fits || (then < kSound && then <= now) || !mesh_.can_collapse(h) ||
+        !covers(std::span(made_).subspan(first), h)) {
       made_.resize(first);
       return false;
     }
@@ -240,18 +242,39 @@ class Improver {
           dot(area, normals_[c]) > least)) {
       return false;
     }
-    const auto rise = [&](Index v, Index w) {
-      return sagitta(feet_[v], normals_[v], feet_[w], normals_[w]);
-    };
     const auto [low, high] = deviation_range(rise(a, b), rise(b, c), rise(c, a));
     return 0.5 * (high - low) <= kHopeless * options_.tolerance;
   }
 
-  /// Whether the plane of a triangle is within the tolerance of the surface at a vertex that goes.
-  bool holds(const Triangle& t, Index gone) const {
-    const Vec3d area = cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0]));
-    const double height = dot(area, feet_[gone] - position(t[0]));
-    return std::abs(height) <= options_.tolerance * norm(area);
+  /// Of the surface above the chord between its feet at two vertices.
+  double rise(Index v, Index w) const {
+    return sagitta(feet_[v], normals_[v], feet_[w], normals_[w]);
+  }
+
+  /// Whether these triangles are near the surface around the start of h, as the normals tell it: at
+  /// the vertex itself, half way to its neighbours and in the middle of its triangles.
+  bool covers(std::span<const Triangle> made, HalfEdge h) const {
+    constexpr double kShare = 0.92;  // of the tolerance, as there is surface between those points
+    const Index a = start(h);
+    const double most = kShare * options_.tolerance;
+    const auto near = [&](const Vec3d& p) {
+      return std::any_of(made.begin(), made.end(), [&](const Triangle& t) {
+        const Vec3d q = nearest_on_triangle(position(t[0]), position(t[1]), position(t[2]), p);
+        return squared_norm(p - q) <= most * most;
+      });
+    };
+    bool all = near(feet_[a]);
+    mesh_.for_ring(h, [&](HalfEdge turn) {
+      if (!all) return;
+      const Index b = end(turn), c = end(next_in_triangle(turn));
+      const double ab = rise(a, b), bc = rise(b, c), ca = rise(c, a);
+      const Vec3d n = normals_[a] + normals_[b] + normals_[c];
+      const Vec3d half = 0.5 * (feet_[a] + feet_[b]);
+      const Vec3d middle = (feet_[a] + feet_[b] + feet_[c]) / 3.0;
+      all = near(half + (ab / norm(normals_[a] + normals_[b])) * (normals_[a] + normals_[b])) &&
+            near(middle + (4.0 / 9 * (ab + bc + ca) / norm(n)) * n);
+    });
+    return all;
   }
 
   // ---- What is ----

@@ -1,7 +1,5 @@
 #include "polygonize/remesh.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,7 +9,9 @@
 #include "libfield/base/check.h"
 #include "polygonize/collapse_crossings.h"
 #include "polygonize/editable_mesh.h"
+#include "polygonize/leaf_jets.h"
 #include "polygonize/measured_triangle.h"
+#include "polygonize/points_half_way.h"
 #include "polygonize/sagitta.h"
 #include "polygonize/shape_operator.h"
 #include "polygonize/triangle_sample.h"
@@ -40,9 +40,7 @@ class Remesher {
 
   TriangleMesh run() {
     project(2);
-    for (const Index v : order_) {
-      if (last_step_[v] <= 0.01 * options_.tolerance) statistics.on_surface.push_back(position(v));
-    }
+    remember_surface();
     unfold();
     untangle();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
@@ -143,6 +141,19 @@ class Remesher {
 
   // ---- Vertices and the surface ----
 
+  /// Puts down where the surface is: at the vertices, and where it turns much between two of them
+  /// half way too.
+  void remember_surface() {
+    const double close = 0.01 * options_.tolerance;
+    for (const Index v : order_) {
+      if (last_step_[v] <= close) statistics.on_surface.push_back(position(v));
+    }
+    const std::vector<Vec3d> between =
+        points_half_way(surface_, tree_, mesh_.mesh(), normals_, leaf_of_, close);
+    statistics.on_surface.insert(statistics.on_surface.end(), between.begin(), between.end());
+    statistics.jets += 3 * between.size();
+  }
+
   /// Vertices in an order in which those near one restriction of F follow each other.
   void sort_by_place() {
     order_.resize(leaf_of_.size());
@@ -156,25 +167,10 @@ class Remesher {
   void evaluate(std::span<const Index> vertices, std::span<const Vec3d> points,
                 std::span<Jet> jets) {
     statistics.jets += points.size();
-    std::vector<std::pair<std::size_t, std::size_t>> runs;
-    for (std::size_t first = 0; first < vertices.size();) {
-      const std::uint32_t number = tree_.surface_number(leaf_of_[vertices[first]]);
-      std::size_t last = first + 1;
-      while (last < vertices.size() && tree_.surface_number(leaf_of_[vertices[last]]) == number) {
-        ++last;
-      }
-      runs.emplace_back(first, last);
-      first = last;
-    }
-    tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
-      const auto [first, last] = runs[i];
-      const Octree::Index leaf = leaf_of_[vertices[first]];
-      const Aabb& box = tree_.surface_box(leaf);
-      const auto run = points.subspan(first, last - first);
-      const bool inside =
-          std::all_of(run.begin(), run.end(), [&](const Vec3d& p) { return box.contains(p); });
-      (inside ? tree_.surface_at(leaf) : surface_).jets(run, jets.subspan(first, last - first));
-    });
+    std::vector<Octree::Index> leaves;
+    leaves.reserve(vertices.size());
+    for (const Index v : vertices) leaves.push_back(leaf_of_[v]);
+    leaf_jets(surface_, tree_, leaves, points, jets);
   }
 
   /// Brings vertices to the surface along the gradient and takes its direction there, in at most so
