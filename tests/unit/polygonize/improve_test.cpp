@@ -22,7 +22,7 @@ TEST(Improve, TakesOutWhatTheToleranceCanSpare) {
   const double tolerance = 0.01;
   ImproveStatistics log;
   const TriangleMesh mesh = improve(torus, *first, {tolerance}, &log);
-  EXPECT_LT(mesh.triangles.size(), first->triangles.size() / 2);
+  EXPECT_LT(mesh.triangles.size(), first->triangles.size() * 6 / 10);
   EXPECT_EQ(first->triangles.size() - mesh.triangles.size(), 2 * log.collapses);
   const MeshReport report = check(mesh);
   EXPECT_TRUE(report.ok());
