@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+#include <utility>
 
 #include "libfield/base/check.h"
 #include "polygonize/both_ways.h"
@@ -16,6 +18,7 @@
 #include "polygonize/refine.h"
 #include "polygonize/remesh.h"
 #include "polygonize/tolerance.h"
+#include "polygonize/vertex_ring.h"
 
 namespace cs2mesh {
 namespace {
@@ -28,6 +31,8 @@ constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
 constexpr double kRefinedBlindly = 0.88;  // where what the mesh misses is found by chance
 constexpr double kRefined = 0.93, kLost = 0.93, kAccept = 0.97;
+/// What triangles are refined to where others were in their way.
+constexpr double kCloser = 0.3;
 
 /// Where the octree proves little, the first mesh tells what there is, and has to be finer.
 constexpr double kCloseLook = 2.5;
@@ -160,8 +165,10 @@ class Adaptive {
     result.mesh = remesh(surface_, tree, first.mesh, first.leaf_of, remeshing, &remeshed);
     log_.jets += remeshed.jets;
     if (result.mesh.empty()) return result;
+    std::vector<Vec3d>& on_surface = remeshed.on_surface;
+    on_surface.insert(on_surface.end(), first.bulges.begin(), first.bulges.end());
     result.error =
-        proven_ ? bring_near(result.mesh, remeshed.on_surface) : bring_near_both_ways(result.mesh);
+        proven_ ? bring_near(result.mesh, on_surface) : bring_near_both_ways(result.mesh);
     if (!proven_ && result.error < HUGE_VAL) {
       begin("measure");
       const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
@@ -175,23 +182,43 @@ class Adaptive {
   /// surface that are too far from it. Returns how far apart they are then, at most, as far as that
   /// was looked at; infinite if triangles cross. Where it is hard is put down in trouble_.
   double bring_near(TriangleMesh& mesh, std::span<const Vec3d> on_surface) {
-    constexpr int kMostPasses = 6;
+    constexpr int kMostPasses = 16;
     RefineOptions refinement = refine_options();
     bool whole = true;  // whether the pass looks at all triangles, not just at those that changed
     trouble_.clear();
+    std::vector<Vec3d> close;  // where sheets come close, so that triangles have to be smaller
+    std::vector<bool> close_vertices;
+    std::size_t crossing_before = std::numeric_limits<std::size_t>::max();
+    const auto look_at_all = [&](bool all) {
+      whole = all;
+      refinement.first_new = all ? 0 : static_cast<TriangleMesh::Index>(mesh.positions.size());
+    };
     for (int pass = 0; pass < kMostPasses; ++pass) {
+      if (!close.empty()) {
+        close_vertices = vertices_near(mesh, close);
+        refinement.close = &close_vertices;
+        refinement.closer = kCloser * request_.tolerance;
+      }
       RefineStatistics refined;
       mesh = refine(surface_, std::move(mesh), refinement, &refined);
       log_.jets += mesh.triangles.size();
-      if (pass == 0) mesh = improve(surface_, std::move(mesh), improve_options());
-      begin("mend");
-      const MendedCrossings crossings = mend_crossings(surface_, mesh, request_.thinnest_radius);
       std::vector<LostPoint> lost = std::move(refined.far);
-      put_down(lost, crossings.left);
-      if (crossings.outcome == Crossings::left) return HUGE_VAL;
-      if (crossings.outcome == Crossings::mended) {
-        whole = true;
-        refinement.first_new = 0;
+      if (pass == 0) {
+        mesh = improve(surface_, std::move(mesh), improve_options());
+        find_again(lost, mesh);
+      }
+      begin("mend");
+      const std::vector<Vec3d> crossing = crossing_places(mesh);
+      put_down(lost, crossing);
+      if (!crossing.empty()) {
+        close.insert(close.end(), crossing.begin(), crossing.end());
+        // Smaller triangles first: those that are mended may be farther from the surface.
+        const bool fewer = crossing.size() < std::exchange(crossing_before, crossing.size());
+        if (!fewer &&
+            mend_crossings(surface_, mesh, request_.thinnest_radius).outcome == Crossings::left) {
+          return HUGE_VAL;
+        }
+        look_at_all(false);
         continue;
       }
       begin("look back");
@@ -202,13 +229,34 @@ class Adaptive {
       if (whole && near_enough && (lost.empty() || pass > 0)) {
         return std::max(largest_distance(lost), kRefined * request_.tolerance);
       }
-      refinement.first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
+      look_at_all(false);
       const bool changed = !lost.empty() && !insert_points(mesh, lost).empty();
       if (whole && !changed) return largest_distance(lost);
-      whole = !changed;
-      if (whole) refinement.first_new = 0;
+      if (!changed) look_at_all(true);
     }
     return HUGE_VAL;
+  }
+
+  /// Gives points the triangles of another mesh that are nearest to them.
+  static void find_again(std::span<LostPoint> points, const TriangleMesh& mesh) {
+    if (points.empty()) return;
+    const ClosestPoint tree(mesh);
+    for (LostPoint& point : points) {
+      const ClosestPoint::Hit hit = tree.nearest(point.on_surface);
+      point.on_mesh = hit.point;
+      point.triangle = hit.triangle;
+    }
+  }
+
+  /// The corners of the triangles nearest to these points, and of those around.
+  static std::vector<bool> vertices_near(const TriangleMesh& mesh, std::span<const Vec3d> points) {
+    constexpr int kRings = 2;
+    std::vector<bool> near(mesh.positions.size(), false);
+    ClosestPoint(mesh).nearest_each(points, [&](std::size_t, const ClosestPoint::Hit& hit) {
+      for (const TriangleMesh::Index v : mesh.triangles[hit.triangle]) near[v] = true;
+    });
+    for (int ring = 0; ring < kRings; ++ring) near = widened_by_ring(mesh, near);
+    return near;
   }
 
   static double largest_distance(std::span<const LostPoint> lost) {

@@ -6,21 +6,14 @@
 #include "polygonize/collapse_crossings.h"
 #include "polygonize/self_intersection.h"
 #include "polygonize/surface_projection.h"
+#include "polygonize/vertex_ring.h"
 
 namespace cs2mesh {
 namespace {
 
 using Index = TriangleMesh::Index;
 
-/// The vertices that share a triangle with a marked one, marked too.
-std::vector<bool> widened_by_ring(const TriangleMesh& mesh, const std::vector<bool>& marked) {
-  std::vector<bool> wider = marked;
-  for (const auto& t : mesh.triangles) {
-    if (!marked[t[0]] && !marked[t[1]] && !marked[t[2]]) continue;
-    for (const Index v : t) wider[v] = true;
-  }
-  return wider;
-}
+constexpr std::size_t kMostPairs = 10'000;
 
 /// Each marked vertex to the mean of its neighbours, then to the surface.
 void smooth(const ImplicitSurface& surface, TriangleMesh& mesh, const std::vector<bool>& marked,
@@ -52,26 +45,30 @@ std::vector<bool> crossing_corners(const TriangleMesh& mesh, const SelfIntersect
   return marked;
 }
 
-MendedCrossings left_crossing(const TriangleMesh& mesh, const SelfIntersections& found) {
-  MendedCrossings result{Crossings::left, {}};
+std::vector<Vec3d> places_of(const TriangleMesh& mesh, const SelfIntersections& found) {
+  std::vector<Vec3d> places;
   for (const auto& pair : found.pairs) {
-    for (const auto t : pair) result.left.push_back(mesh.positions[mesh.triangles[t][0]]);
+    for (const auto t : pair) places.push_back(mesh.positions[mesh.triangles[t][0]]);
   }
-  return result;
+  return places;
 }
 
 }  // namespace
 
+std::vector<Vec3d> crossing_places(const TriangleMesh& mesh) {
+  const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
+  return found ? places_of(mesh, *found) : std::vector<Vec3d>{};
+}
+
 MendedCrossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
   constexpr int kMostRounds = 8;
-  constexpr std::size_t kMostPairs = 10'000;
   for (int round = 0;; ++round) {
     const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
     if (!found || found->pairs.empty()) {
       return {round == 0 ? Crossings::none : Crossings::mended, {}};
     }
     if (round == kMostRounds || found->pairs.size() == kMostPairs) {
-      return left_crossing(mesh, *found);
+      return {Crossings::left, places_of(mesh, *found)};
     }
     EditableMesh editable(std::move(mesh));
     const std::size_t collapsed = collapse_crossings(editable);

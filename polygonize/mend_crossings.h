@@ -19,6 +19,10 @@ struct MendedCrossings {
   std::vector<Vec3d> left;  ///< a corner of each triangle that still crosses another
 };
 
+/// A corner of each triangle that crosses another; of 20,000 at most, and none in a build that
+/// cannot tell.
+std::vector<Vec3d> crossing_places(const TriangleMesh& mesh);
+
 /// Collapses or flips edges of triangles that cross others, a few times over; where that does not
 /// help, moves their corners to the middle of their neighbours and back to the surface, more of the
 /// neighbourhood each time. `reach` is how far from the

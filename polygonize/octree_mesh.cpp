@@ -1,10 +1,13 @@
 #include "polygonize/octree_mesh.h"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "polygonize/dual_surface.h"
 #include "polygonize/edge_root.h"
 #include "polygonize/make_manifold.h"
+#include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
 namespace {
@@ -38,6 +41,42 @@ Sample sample_in(const SurfaceOctree& tree, Octree::Index leaf) {
           tree.kind(leaf) == LeafKind::empty ? nullptr : &tree.jet(leaf)};
 }
 
+/// Where Newton's method along the gradient leads from the centre of a leaf, if to the surface in
+/// it.
+std::optional<Vec3d> foot_in(const SurfaceOctree& tree, Octree::Index leaf, std::size_t& jets) {
+  constexpr int kMostSteps = 6;
+  constexpr double kThere = 1e-9;  // of the side
+  const Aabb box = tree.octree().box(leaf);
+  const double side = tree.octree().side(tree.octree()[leaf].level);
+  Vec3d point = box.center();
+  Jet jet = tree.jet(leaf);
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double slope = norm_of_any(jet.gradient);
+    if (!(slope > 0)) return std::nullopt;
+    const double way = leveled(jet.value) / slope;
+    point -= way / slope * jet.gradient;
+    if (!box.contains(point)) return std::nullopt;
+    if (std::abs(way) <= kThere * side) return point;
+    jet = tree.surface_at(leaf).jet(point);
+    ++jets;
+  }
+  return std::nullopt;
+}
+
+/// Points of the surface in leaves that may hold it and that no crossing is near.
+void find_bulges(const SurfaceOctree& tree, const DualSurface& dual, OctreeMesh& result) {
+  const Octree& octree = tree.octree();
+  std::vector<bool> seen(octree.size(), false);
+  for (const DualSurface::Crossing& crossing : dual.crossings()) {
+    seen[crossing.leaf] = seen[crossing.other] = true;
+  }
+  for (Octree::Index leaf = 0; leaf < octree.size(); ++leaf) {
+    if (!octree.is_leaf(leaf) || seen[leaf] || tree.kind(leaf) == LeafKind::empty) continue;
+    const std::optional<Vec3d> foot = foot_in(tree, leaf, result.evaluations);
+    if (foot) result.bulges.push_back(*foot);
+  }
+}
+
 }  // namespace
 
 OctreeMesh mesh_octree(const ImplicitSurface& surface, const SurfaceOctree& tree) {
@@ -62,6 +101,7 @@ OctreeMesh mesh_octree(const ImplicitSurface& surface, const SurfaceOctree& tree
       result.leaf_of.push_back(a.jet != nullptr ? crossing.leaf : crossing.other);
     }
   }
+  find_bulges(tree, dual, result);
   std::vector<TriangleMesh::Index> beside;
   result.mesh.triangles = dual.triangulate(result.mesh.positions, beside);
   for (const TriangleMesh::Index v : beside) result.leaf_of.push_back(result.leaf_of[v]);

@@ -12,7 +12,10 @@ namespace cs2mesh {
 struct OctreeMesh {
   TriangleMesh mesh;
   std::vector<Octree::Index> leaf_of;  ///< for each vertex a leaf it is near, not an empty one
-  std::size_t evaluations = 0;         ///< jets
+  /// Points of the surface, to the rounding of F, in leaves that it only bulges into, so that no
+  /// vertex is near them.
+  std::vector<Vec3d> bulges;
+  std::size_t evaluations = 0;  ///< jets
 };
 
 /// Marching cubes on the dual grid of the octree; a vertex is where F seems to vanish between the

@@ -34,7 +34,9 @@ class Refiner {
         mesh_(std::move(mesh)),
         options_(options),
         longest_way_(bounds(mesh_).diagonal()),
-        first_new_(options.first_new) {}
+        first_new_(options.first_new) {
+    if (options.close != nullptr) close_ = *options.close;
+  }
 
   void run() {
     divide_until_near();
@@ -73,6 +75,25 @@ class Refiner {
   Vec3d middle(HalfEdge h) const { return 0.5 * (start(h) + end(h)); }
   double squared_length(HalfEdge h) const { return squared_norm(end(h) - start(h)); }
 
+  /// Whether the triangle has to be nearer to the surface than others.
+  bool is_close(std::size_t triangle) const {
+    const auto& corner = mesh_.triangles[triangle];
+    return !close_.empty() && close_[corner[0]] && close_[corner[1]] && close_[corner[2]];
+  }
+
+  /// Those of these triangles that are too far.
+  std::vector<LostPoint> find_far(std::span<const std::size_t> triangles) const {
+    std::vector<std::size_t> of_kind[2];
+    for (const std::size_t t : triangles) of_kind[is_close(t) ? 1 : 0].push_back(t);
+    const FarOptions usual{options_.tolerance, options_.small, longest_way_};
+    std::vector<LostPoint> far = far_triangles(surface_, mesh_, of_kind[0], usual);
+    if (of_kind[1].empty()) return far;
+    const FarOptions closer{options_.closer, options_.small, longest_way_};
+    const std::vector<LostPoint> more = far_triangles(surface_, mesh_, of_kind[1], closer);
+    far.insert(far.end(), more.begin(), more.end());
+    return far;
+  }
+
   HalfEdge longest_edge(std::size_t triangle) const {
     const auto h = static_cast<HalfEdge>(3 * triangle);
     std::array<HalfEdge, 3> edges{edge_of(h), edge_of(h + 1), edge_of(h + 2)};
@@ -90,7 +111,8 @@ class Refiner {
     std::vector<std::size_t> fresh;
     for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
       const auto& corner = mesh_.triangles[t];
-      if (std::max({corner[0], corner[1], corner[2]}) >= first_new_) fresh.push_back(t);
+      const bool is_new = std::max({corner[0], corner[1], corner[2]}) >= first_new_;
+      if (is_new || (statistics.rounds == 0 && is_close(t))) fresh.push_back(t);
     }
     return fresh;
   }
@@ -98,11 +120,9 @@ class Refiner {
   void mark_far_triangles() {
     const std::vector<std::size_t> fresh = triangles_to_look_at();
     std::vector<std::vector<LostPoint>> far((fresh.size() + kNeighbours - 1) / kNeighbours);
-    const FarOptions far_options{options_.tolerance, options_.small, longest_way_};
     for_each_neighbourhood(fresh.size(), [&](std::size_t first, std::size_t last) {
       if (cancelled(options_.progress)) return;
-      far[first / kNeighbours] = far_triangles(
-          surface_, mesh_, std::span(fresh).subspan(first, last - first), far_options);
+      far[first / kNeighbours] = find_far(std::span(fresh).subspan(first, last - first));
     });
     for (const auto& chunk : far) {
       for (const LostPoint& lost : chunk) {
@@ -122,6 +142,7 @@ class Refiner {
       const auto at = std::lower_bound(far_.begin(), far_.end(),
                                        FarTriangle{mesh_.triangles[t], {}}, by_corners);
       if (at == far_.end() || at->first != mesh_.triangles[t]) continue;
+      if (at->second.distance <= options_.tolerance) continue;  // as near as others have to be
       statistics.far.push_back(at->second);
       statistics.far.back().triangle = static_cast<std::uint32_t>(t);
     }
@@ -305,14 +326,25 @@ class Refiner {
   /// Replaces the triangles; false if there is nothing to split.
   bool divide() {
     const std::size_t count = mesh_.positions.size() - first_new_;
+    if (!close_.empty()) mark_new_close();
     if (count > 0) mesh_.triangles = parts();
     statistics.splits += count;
     return count > 0;
   }
 
+  /// The new vertices of edges between two that are close.
+  void mark_new_close() {
+    close_.resize(mesh_.positions.size(), false);
+    for (HalfEdge h = 0; h < middle_of_.size(); ++h) {
+      if (middle_of_[h] == kNone) continue;
+      close_[middle_of_[h]] = close_[start_of(mesh_, h)] && close_[end_of(mesh_, h)];
+    }
+  }
+
   const ImplicitSurface& surface_;
   TriangleMesh mesh_;
   const RefineOptions& options_;
+  std::vector<bool> close_;  ///< by vertex; empty if none is
   std::vector<HalfEdge> opposite_;
   std::vector<char> split_;       ///< by edge, whether it is to be split
   std::vector<Index> middle_of_;  ///< by edge, the number of its new vertex or kNone

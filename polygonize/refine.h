@@ -25,10 +25,15 @@ struct RefineOptions {
   /// Triangles smaller than this are looked at in more places, as where the surface has features
   /// not much larger than the tolerance.
   double small = 0.0;
-  /// Triangles without a vertex of this number or above are known to be near enough.
+  /// Triangles without a vertex of this number or above are known to be near enough, but for those
+  /// that have to be nearer.
   TriangleMesh::Index first_new = 0;
   /// If set, the only triangles that the first round looks at; later ones at what is new.
   const std::vector<std::uint32_t>* first_looked_at = nullptr;
+  /// If set, by number the vertices around which the mesh has to be nearer to the surface, as where
+  /// its sheets come close: triangles between them within `closer`, scene units, > 0.
+  const std::vector<bool>* close = nullptr;
+  double closer = 0.0;
   std::size_t max_triangles = 50'000'000;  ///< no round begins above
   Progress* progress = nullptr;            ///< cancelled: what is done so far is returned
 };

@@ -351,12 +351,14 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
 
 namespace {
 
+/// How far the surface may be from a point, in first-order distances.
+constexpr double kFarthest = 4.0;
+
 /// A point of the surface near `p` by Newton's method along the gradient in the logarithm of the
 /// field, which is nearer to linear, if that converges within a few times `first`.
 std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p, double first) {
   constexpr int kMostSteps = 20;
   constexpr double kConverged = 1e-3;  // of the distance
-  constexpr double kFarthest = 4.0;
   const Aabb box = Aabb{p, p}.grown(kFarthest * first);
   const auto near = surface.restrict_to(box);
   Vec3d q = p;
@@ -384,8 +386,9 @@ Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_orde
     const std::optional<SignChange> nearer = search_around(surface, p, distance);
     return nearer ? Foot{nearer->far, nearer->distance} : Foot{*straight, distance};
   }
-  // Value and gradient may say far too much, as where hardly any of the field is left.
-  for (const double share : {kSearchSpan * kSearchSpan, kSearchSpan, 1.0}) {
+  // Value and gradient may say far too much, as where hardly any of the field is left, or too
+  // little, as within a groove of stiff blobs, where they tell of a sphere within the other.
+  for (const double share : {kSearchSpan * kSearchSpan, kSearchSpan, 1.0, kFarthest}) {
     const std::optional<SignChange> found = search_around(surface, p, share * first_order);
     if (found) return {found->far, found->distance};
   }
