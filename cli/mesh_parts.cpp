@@ -30,6 +30,7 @@ TriangleMesh mesh_within_tolerance(const Part& part, const Fineness& fineness, P
   const double tolerance = fineness.tolerance;
   MesherRequest request = request_for(part, tolerance, &console.progress());
   request.min_feature = fineness.min_feature;
+  request.balance = fineness.balance;
   MesherResult result = console.take(fineness.mesher->mesh(*part.surface, request));
   if (!result.reached) {
     // Infinite where triangles cross or nothing brings them near.
@@ -55,6 +56,7 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
                      const CompiledScene& compiled) {
   const double diagonal = compiled.extent.diagonal();
   Fineness fineness;
+  fineness.balance = request.balance;
   fineness.mesher = find_mesher(request.mesher);
   fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
                        : scene.mesh.tolerance ? *scene.mesh.tolerance

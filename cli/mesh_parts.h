@@ -21,6 +21,7 @@ struct Fineness {
   double min_feature = 0.0;        ///< what is thinner may be lost
   bool budgeted = false;           ///< the tolerance is what a number of triangles allows
   const Mesher* mesher = nullptr;  ///< where there is no cell
+  bool balance = false;            ///< as of MesherRequest
 };
 Fineness fineness_of(const MeshRequest& request, const Scene& scene, const CompiledScene& compiled);
 

@@ -25,6 +25,8 @@ MeshReport combined(const std::vector<PartReport>& parts) {
     all.outward &= part.outward;
     all.area += part.area;
     all.volume += part.volume;
+    all.shapes.min_angle_deg = std::min(all.shapes.min_angle_deg, part.shapes.min_angle_deg);
+    all.shapes.thin += part.shapes.thin;
     if (part.self_intersections && all.self_intersections) {
       *all.self_intersections += *part.self_intersections;
     } else {
@@ -47,6 +49,9 @@ void add_measures(Json& json, const MeshReport& report) {
       report.self_intersections ? Json(*report.self_intersections) : Json(nullptr);
   json["area"] = report.area;
   json["volume"] = report.volume;
+  json["min_angle_deg"] = report.shapes.min_angle_deg;
+  const double count = static_cast<double>(std::max<std::size_t>(report.triangles, 1));
+  json["below_20_deg"] = static_cast<double>(report.shapes.thin) / count;
 }
 
 Diagnostic warning_at(const std::string& file, const std::string& message) {

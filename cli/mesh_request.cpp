@@ -30,6 +30,10 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
       ->check(CLI::IsMember(names))
       ->excludes(cell)
       ->type_name("NAME");
+  app.add_flag("--balance", request.balance,
+               "let the adaptive mesher put vertices off the surface, by less than the tolerance, "
+               "outside where it is convex and inside where it is hollow: about half the triangles")
+      ->excludes(cell);
   request.united = can_unite();
   app.add_option_function<std::string>(
          "--parts", [&request](const std::string& word) { request.united = word == "united"; },

@@ -27,6 +27,7 @@ struct MeshRequest {
   bool all_attributes = true;  ///< what format and scene have
   std::string up;              ///< "y", "z" or "": the scene's
   bool dry_run = false;
+  bool balance = false;  ///< vertices may be off the surface
   bool verify = false;
   std::optional<std::size_t> max_triangles;  ///< which the tolerance then gives way to
   int levels = 0;                            ///< further ones, each coarser

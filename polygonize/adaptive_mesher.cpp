@@ -11,6 +11,7 @@
 #include "libfield/base/check.h"
 #include "polygonize/both_ways.h"
 #include "polygonize/closest_point.h"
+#include "polygonize/improve.h"
 #include "polygonize/insert_points.h"
 #include "polygonize/mend_crossings.h"
 #include "polygonize/near_intersections.h"
@@ -30,7 +31,8 @@ constexpr double kSmall = 8.0;
 constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
 constexpr std::size_t kMostPairs = 10'000;  ///< of triangles that cross
-constexpr double kRefined = 0.88, kLost = 0.75, kAccept = 0.97;
+constexpr double kRefinedBlindly = 0.88;    // where what the mesh misses is found by chance
+constexpr double kRefined = 0.93, kLost = 0.93, kAccept = 0.97;
 /// What triangles are refined to where others were in their way.
 constexpr double kCloser = 0.3;
 
@@ -163,6 +165,7 @@ class Adaptive {
     RemeshOptions remeshing;
     remeshing.tolerance = aim * request_.tolerance;
     remeshing.untangle = untangle;
+    remeshing.balance = request_.balance;
     remeshing.progress = request_.progress;
     RemeshStatistics remeshed;
     MesherResult result;
@@ -209,6 +212,10 @@ class Adaptive {
       mesh = refine(surface_, std::move(mesh), refinement, &refined);
       log_.jets += mesh.triangles.size();
       std::vector<LostPoint> lost = std::move(refined.far);
+      if (pass == 0) {
+        mesh = improve(surface_, std::move(mesh), improve_options());
+        find_again(lost, mesh);
+      }
       begin("mend");
       SelfIntersections found = find_new_intersections(mesh, unchecked, kMostPairs);
       const std::vector<Vec3d> crossing = places_of(found, mesh);
@@ -251,6 +258,17 @@ class Adaptive {
     return HUGE_VAL;
   }
 
+  /// Gives points the triangles of another mesh that are nearest to them.
+  static void find_again(std::span<LostPoint> points, const TriangleMesh& mesh) {
+    if (points.empty()) return;
+    const ClosestPoint tree(mesh);
+    for (LostPoint& point : points) {
+      const ClosestPoint::Hit hit = tree.nearest(point.on_surface);
+      point.on_mesh = hit.point;
+      point.triangle = hit.triangle;
+    }
+  }
+
   /// The corners of the triangles nearest to these points, and of those around.
   static std::vector<bool> vertices_near(const TriangleMesh& mesh, std::span<const Vec3d> points) {
     constexpr int kRings = 2;
@@ -275,10 +293,22 @@ class Adaptive {
   RefineOptions refine_options() const {
     RefineOptions refinement;
     refinement.tolerance = kRefined * request_.tolerance;
-    refinement.small = kSmall * request_.tolerance;
+    refinement.small = closely();
     refinement.max_triangles = request_.max_triangles;
     refinement.progress = request_.progress;
     return refinement;
+  }
+
+  /// The side of triangles that are looked at closely: all where vertices are off the surface, as
+  /// little can be told from a few points then.
+  double closely() const { return request_.balance ? HUGE_VAL : kSmall * request_.tolerance; }
+
+  ImproveOptions improve_options() const {
+    ImproveOptions improvement;
+    improvement.tolerance = kRefined * request_.tolerance;
+    improvement.small = closely();
+    improvement.progress = request_.progress;
+    return improvement;
   }
 
   void put_down(std::span<const LostPoint> lost, std::span<const Vec3d> crossing) {
@@ -317,7 +347,7 @@ class Adaptive {
     };
     if (cross()) return HUGE_VAL;
     BothWaysOptions options;
-    options.enough = kRefined * request_.tolerance;
+    options.enough = kRefinedBlindly * request_.tolerance;
     options.small = request_.tolerance;
     options.max_triangles = request_.max_triangles;
     options.progress = request_.progress;

@@ -342,6 +342,7 @@ MeshReport Checker::run() {
   check_components();
   for (std::size_t t = 0; t < valid_.size(); ++t)
     report_.area += norm(area_vector(mesh_, valid_[t]));
+  report_.shapes = triangle_shapes(mesh_);
   check_self_intersections();
   const auto none = [this](DefectKind kind) { return report_.count(kind) == 0; };
   const bool complete = none(DefectKind::index_out_of_range);

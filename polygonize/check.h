@@ -10,6 +10,7 @@
 
 #include "libfield/base/progress.h"
 #include "polygonize/triangle_mesh.h"
+#include "polygonize/triangle_shape.h"
 
 namespace cs2mesh {
 
@@ -60,6 +61,7 @@ struct MeshReport {
   std::optional<std::size_t> self_intersections;
   double area = 0.0;
   double volume = 0.0;
+  TriangleShapes shapes;
   std::array<std::size_t, kDefectKinds> counts{};
   std::vector<Defect> defects;
 

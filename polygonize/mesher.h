@@ -21,6 +21,9 @@ struct MesherRequest {
   /// there are none, then cuts cells no further than this and the tolerance ask; others do not
   /// heed it. Scene units; 0: nothing may be lost.
   double min_feature = 0.0;
+  /// Whether vertices may be off the surface, within the tolerance, where that saves triangles. Of
+  /// the meshers below `adaptive` makes use of it.
+  bool balance = false;
   std::size_t max_nodes = 400'000'000;     ///< samples held at once
   std::size_t max_triangles = 50'000'000;  ///< beyond either, Failure::limit
   Progress* progress = nullptr;

@@ -1,18 +1,15 @@
 #include "polygonize/refine.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
 #include <vector>
 
 #include "libfield/base/check.h"
+#include "polygonize/far_triangles.h"
 #include "polygonize/half_edges.h"
 #include "polygonize/near_root.h"
-#include "polygonize/surface_projection.h"
 #include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
@@ -20,18 +17,8 @@ namespace {
 
 using Index = TriangleMesh::Index;
 
-/// Points evaluated together: neighbours in the mesh's order, for which one restriction pays.
-constexpr std::size_t kChunk = 256;
 /// The cosine between the normals of two triangles from which they count as folded onto each other.
 constexpr double kSharpest = -0.9;
-
-/// Runs f(first, last) for ranges of at most kChunk in parallel.
-template <class F>
-void for_each_chunk(std::size_t count, const F& f) {
-  tbb::parallel_for(std::size_t{0}, (count + kChunk - 1) / kChunk, [&](std::size_t chunk) {
-    f(kChunk * chunk, std::min(kChunk * (chunk + 1), count));
-  });
-}
 
 /// A triangle on its way to being split: corners, and the new vertex of each edge, or kNone.
 struct Piece {
@@ -39,7 +26,6 @@ struct Piece {
   std::array<Index, 3> middle;  ///< of the edge from corner k to corner k + 1
 };
 constexpr Index kNone = ~Index{0};
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 class Refiner {
  public:
@@ -89,74 +75,22 @@ class Refiner {
   Vec3d middle(HalfEdge h) const { return 0.5 * (start(h) + end(h)); }
   double squared_length(HalfEdge h) const { return squared_norm(end(h) - start(h)); }
 
-  /// The jets at these points of the mesh.
-  void evaluate(std::span<const Vec3d> points, std::vector<Jet>& jets) const {
-    Aabb box;
-    for (const Vec3d& p : points) box.include(p);
-    jets.resize(points.size());
-    if (!points.empty()) surface_.restrict_to(box)->jets(points, jets);
-  }
-
-  /// The first-order distances of points of the mesh.
-  std::vector<double> distances(std::span<const Vec3d> points) const {
-    std::vector<Jet> jets;
-    evaluate(points, jets);
-    std::vector<double> all;
-    all.reserve(jets.size());
-    for (const Jet& jet : jets) all.push_back(first_order_distance(jet, kInfinity));
-    return all;
-  }
-
   /// Whether the triangle has to be nearer to the surface than others.
   bool is_close(std::size_t triangle) const {
     const auto& corner = mesh_.triangles[triangle];
     return !close_.empty() && close_[corner[0]] && close_[corner[1]] && close_[corner[2]];
   }
-  double tolerance_of(std::size_t triangle) const {
-    return is_close(triangle) ? options_.closer : options_.tolerance;
-  }
 
-  /// Where a triangle is too far from the surface, if it is at this point. Where F has walls its
-  /// gradient may point past the nearest surface.
-  std::optional<LostPoint> far_point(std::size_t triangle, const Vec3d& p, double distance) const {
-    constexpr double kNearly = 0.8;  // the nearest surface may be farther than the first order says
-    const double tolerance = tolerance_of(triangle);
-    if (!(distance > kNearly * tolerance)) return std::nullopt;
-    const Foot foot = find_foot(surface_, p, std::min(distance, longest_way_), tolerance);
-    if (!(foot.distance > tolerance)) return std::nullopt;
-    return LostPoint{foot.point, p, foot.distance, static_cast<std::uint32_t>(triangle)};
-  }
-
-  /// The triangles among these that are too far, at one point or, where that is in doubt, at
-  /// several.
+  /// Those of these triangles that are too far.
   std::vector<LostPoint> find_far(std::span<const std::size_t> triangles) const {
-    constexpr double kDoubt = 0.4;
-    std::vector<Vec3d> points;
-    for (const std::size_t t : triangles) points.push_back(sample_point(mesh_, t));
-    std::vector<Jet> jets;
-    evaluate(points, jets);
-    std::vector<std::optional<LostPoint>> found(triangles.size());
-    std::vector<Vec3d> closer;
-    std::vector<std::size_t> doubtful;
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const double distance = first_order_distance(jets[i], kInfinity);
-      found[i] = far_point(triangles[i], points[i], distance);
-      if (found[i]) continue;
-      const auto more = more_points(mesh_, triangles[i],
-                                    look_of(mesh_, triangles[i], jets[i], distance,
-                                            kDoubt * tolerance_of(triangles[i]), options_.small));
-      closer.insert(closer.end(), more.begin(), more.end());
-      doubtful.insert(doubtful.end(), more.size(), i);
-    }
-    const std::vector<double> at_closer = distances(closer);
-    for (std::size_t k = 0; k < closer.size(); ++k) {
-      std::optional<LostPoint>& verdict = found[doubtful[k]];
-      if (!verdict) verdict = far_point(triangles[doubtful[k]], closer[k], at_closer[k]);
-    }
-    std::vector<LostPoint> far;
-    for (const auto& verdict : found) {
-      if (verdict) far.push_back(*verdict);
-    }
+    std::vector<std::size_t> of_kind[2];
+    for (const std::size_t t : triangles) of_kind[is_close(t) ? 1 : 0].push_back(t);
+    const FarOptions usual{options_.tolerance, options_.small, longest_way_};
+    std::vector<LostPoint> far = far_triangles(surface_, mesh_, of_kind[0], usual);
+    if (of_kind[1].empty()) return far;
+    const FarOptions closer{options_.closer, options_.small, longest_way_};
+    const std::vector<LostPoint> more = far_triangles(surface_, mesh_, of_kind[1], closer);
+    far.insert(far.end(), more.begin(), more.end());
     return far;
   }
 
@@ -185,10 +119,10 @@ class Refiner {
 
   void mark_far_triangles() {
     const std::vector<std::size_t> fresh = triangles_to_look_at();
-    std::vector<std::vector<LostPoint>> far((fresh.size() + kChunk - 1) / kChunk);
-    for_each_chunk(fresh.size(), [&](std::size_t first, std::size_t last) {
+    std::vector<std::vector<LostPoint>> far((fresh.size() + kNeighbours - 1) / kNeighbours);
+    for_each_neighbourhood(fresh.size(), [&](std::size_t first, std::size_t last) {
       if (cancelled(options_.progress)) return;
-      far[first / kChunk] = find_far(std::span(fresh).subspan(first, last - first));
+      far[first / kNeighbours] = find_far(std::span(fresh).subspan(first, last - first));
     });
     for (const auto& chunk : far) {
       for (const LostPoint& lost : chunk) {
@@ -261,11 +195,10 @@ class Refiner {
   template <class Direction>
   void place(const std::vector<HalfEdge>& edges, const Direction& direction_of) {
     std::vector<std::optional<Vec3d>> places(edges.size());
-    for_each_chunk(edges.size(), [&](std::size_t first, std::size_t last) {
+    for_each_neighbourhood(edges.size(), [&](std::size_t first, std::size_t last) {
       std::vector<Vec3d> middles;
       for (std::size_t i = first; i < last; ++i) middles.push_back(middle(edges[i]));
-      std::vector<Jet> jets;
-      evaluate(middles, jets);
+      const std::vector<Jet> jets = jets_at_neighbours(surface_, middles);
       std::vector<RootQuery> queries;
       for (std::size_t i = first; i < last; ++i) {
         const Jet& jet = jets[i - first];

@@ -1,7 +1,5 @@
 #include "polygonize/remesh.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -11,20 +9,19 @@
 #include "libfield/base/check.h"
 #include "polygonize/collapse_crossings.h"
 #include "polygonize/editable_mesh.h"
+#include "polygonize/leaf_jets.h"
+#include "polygonize/measured_triangle.h"
+#include "polygonize/points_half_way.h"
 #include "polygonize/sagitta.h"
+#include "polygonize/shape_operator.h"
 #include "polygonize/triangle_sample.h"
+#include "polygonize/triangle_shape.h"
 
 namespace cs2mesh {
 namespace {
 
 using Index = TriangleMesh::Index;
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-/// 1 for an equilateral triangle, 0 for one without area.
-double quality(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  const double sides = squared_norm(b - a) + squared_norm(c - b) + squared_norm(a - c);
-  return 2 * std::sqrt(3.0) * norm(cross(b - a, c - a)) / sides;
-}
 
 class Remesher {
  public:
@@ -33,7 +30,7 @@ class Remesher {
       : surface_(surface),
         tree_(tree),
         options_(options),
-        leaf_of_(leaf_of),
+        leaf_of_(leaf_of.begin(), leaf_of.end()),
         mesh_(std::move(mesh)),
         normals_(leaf_of.size()),
         last_step_(leaf_of.size(), 0.0),
@@ -43,24 +40,29 @@ class Remesher {
 
   TriangleMesh run() {
     project(2);
-    for (const Index v : order_) {
-      if (last_step_[v] <= 0.01 * options_.tolerance) statistics.on_surface.push_back(position(v));
-    }
+    remember_surface();
     unfold();
     untangle();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
       if (options_.progress != nullptr) {
         options_.progress->report("remesh", static_cast<double>(round) / options_.rounds);
       }
-      find_lengths();
-      for (const double share : {0.4, 0.6, kShortest}) collapse_short(share);
-      flip_edges();
-      relax();
-      flip_edges();
+      find_metrics();
+      for (const double share : {0.4, 0.6, kShortest}) {
+        collapse_short(share);
+        close_gaps();
+      }
+      even_out();
     }
-    for (int round = 0; round < kSmoothing; ++round) {
-      relax();
+    stretch_ = kLastStretch;
+    sound_ = kThinAngle + 1;
+    for (int round = 0; round < kFittings && !cancelled(options_.progress); ++round) {
+      find_metrics();
+      split_far();
+      find_metrics();
       flip_edges();
+      collapse_short(kInfinity);
+      even_out();
     }
     settle();
     untangle();
@@ -76,6 +78,26 @@ class Remesher {
     find_used();
     project(kMostSteps);
     unfold();
+    if (options_.balance) balance();
+  }
+
+  /// Moves vertices off the surface so that it is as far above triangles as below: as far as the
+  /// triangle at each asks for that asks for most.
+  void balance() {
+    constexpr double kMost = 0.9;  // of the tolerance
+    const double most = kMost * options_.tolerance;
+    std::vector<double> up(normals_.size(), 0.0), down(normals_.size(), 0.0);
+    for (const auto& t : mesh_.mesh().triangles) {
+      if (t[0] == t[1]) continue;
+      const auto [low, high] = range_of(t[0], t[1], t[2]);
+      for (const Index v : t) {
+        up[v] = std::clamp(0.5 * (low + high), up[v], most);
+        down[v] = std::clamp(0.5 * (low + high), -most, down[v]);
+      }
+    }
+    for (Index v = 0; v < normals_.size(); ++v) {
+      if (used_[v]) mesh_.move_vertex(v, position(v) + (up[v] + down[v]) * normals_[v]);
+    }
   }
 
   void untangle() {
@@ -83,6 +105,24 @@ class Remesher {
     for (int round = 0; options_.untangle && round < kMostRounds; ++round) {
       if (collapse_crossings(mesh_) == 0) return;
     }
+  }
+
+  /// Numbers what is left anew where much of the mesh is gone.
+  void close_gaps() {
+    constexpr double kMuch = 0.3;
+    std::size_t gone = 0;
+    for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) gone += mesh_.alive(t) ? 0 : 1;
+    if (static_cast<double>(gone) < kMuch * static_cast<double>(mesh_.mesh().triangles.size())) {
+      return;
+    }
+    std::vector<Index> kept;
+    mesh_ = EditableMesh(mesh_.take(&kept));
+    const auto keep = [&](auto& of_vertex) {
+      for (std::size_t v = 0; v < kept.size(); ++v) of_vertex[v] = of_vertex[kept[v]];
+      of_vertex.resize(kept.size());
+    };
+    keep(normals_), keep(leaf_of_), keep(shapes_), keep(metrics_), keep(last_step_), keep(used_);
+    sort_by_place();
   }
 
   /// Which vertices are those of a triangle.
@@ -101,6 +141,19 @@ class Remesher {
 
   // ---- Vertices and the surface ----
 
+  /// Puts down where the surface is: at the vertices, and where it turns much between two of them
+  /// half way too.
+  void remember_surface() {
+    const double close = 0.01 * options_.tolerance;
+    for (const Index v : order_) {
+      if (last_step_[v] <= close) statistics.on_surface.push_back(position(v));
+    }
+    const std::vector<Vec3d> between =
+        points_half_way(surface_, tree_, mesh_.mesh(), normals_, leaf_of_, close);
+    statistics.on_surface.insert(statistics.on_surface.end(), between.begin(), between.end());
+    statistics.jets += 3 * between.size();
+  }
+
   /// Vertices in an order in which those near one restriction of F follow each other.
   void sort_by_place() {
     order_.resize(leaf_of_.size());
@@ -114,25 +167,10 @@ class Remesher {
   void evaluate(std::span<const Index> vertices, std::span<const Vec3d> points,
                 std::span<Jet> jets) {
     statistics.jets += points.size();
-    std::vector<std::pair<std::size_t, std::size_t>> runs;
-    for (std::size_t first = 0; first < vertices.size();) {
-      const std::uint32_t number = tree_.surface_number(leaf_of_[vertices[first]]);
-      std::size_t last = first + 1;
-      while (last < vertices.size() && tree_.surface_number(leaf_of_[vertices[last]]) == number) {
-        ++last;
-      }
-      runs.emplace_back(first, last);
-      first = last;
-    }
-    tbb::parallel_for(std::size_t{0}, runs.size(), [&](std::size_t i) {
-      const auto [first, last] = runs[i];
-      const Octree::Index leaf = leaf_of_[vertices[first]];
-      const Aabb& box = tree_.surface_box(leaf);
-      const auto run = points.subspan(first, last - first);
-      const bool inside =
-          std::all_of(run.begin(), run.end(), [&](const Vec3d& p) { return box.contains(p); });
-      (inside ? tree_.surface_at(leaf) : surface_).jets(run, jets.subspan(first, last - first));
-    });
+    std::vector<Octree::Index> leaves;
+    leaves.reserve(vertices.size());
+    for (const Index v : vertices) leaves.push_back(leaf_of_[v]);
+    leaf_jets(surface_, tree_, leaves, points, jets);
   }
 
   /// Brings vertices to the surface along the gradient and takes its direction there, in at most so
@@ -185,52 +223,67 @@ class Remesher {
   double sagitta_of(Index a, Index b) const {
     return sagitta(position(a), normals_[a], position(b), normals_[b]);
   }
+  DeviationRange range_of(Index a, Index b, Index c) const {
+    return deviation_range(sagitta_of(a, b), sagitta_of(b, c), sagitta_of(c, a));
+  }
+  /// How far a triangle is from the surface; balanced, how far it would be at half the height.
   double deviation_of(Index a, Index b, Index c) const {
-    return deviation(sagitta_of(a, b), sagitta_of(b, c), sagitta_of(c, a));
+    const auto [low, high] = range_of(a, b, c);
+    return options_.balance ? 0.5 * (high - low) : std::max(-low, high);
   }
   /// How far triangles at a vertex may be from the surface: where cells are small, other sheets may
   /// be near.
   double allowed(Index v, double slack = 1.0) const {
     constexpr double kCellShare = 0.5;
-    return std::min(slack * kAim * options_.tolerance, kCellShare * side_at(v));
+    return std::min(slack * kFit * options_.tolerance, kCellShare * side_at(v));
   }
   /// Where the surface is smooth, triangles may be farther from it at first: flipping and moving
   /// spreads the error.
-  double slack_of(Index a, Index b, Index c) const {
+  double slack_of(Index a, Index b, Index c, double most) const {
     constexpr double kSmooth = 0.9;  // cosine between normals
-    constexpr double kSlack = 1.6;
     const bool smooth = dot(normals_[a], normals_[b]) > kSmooth &&
                         dot(normals_[b], normals_[c]) > kSmooth &&
                         dot(normals_[c], normals_[a]) > kSmooth;
-    return smooth ? kSlack : 1.0;
+    return smooth ? most : std::min(most, kRough);
   }
-  bool is_near(Index a, Index b, Index c) const {
-    const double slack = slack_of(a, b, c);
+  bool is_near(Index a, Index b, Index c, double most) const {
+    const double slack = slack_of(a, b, c, most);
     return deviation_of(a, b, c) <=
            std::min({allowed(a, slack), allowed(b, slack), allowed(c, slack)});
   }
 
-  /// The squared length of edges that suits the curvature at each vertex, graded.
-  void find_lengths() {
-    lengths_.assign(normals_.size(), kInfinity);
-    const double scale = 6 * kAim * options_.tolerance;
-    for (HalfEdge h = 0; h < half_edge_count(); ++h) {
-      if (!mesh_.alive(triangle_of(h))) continue;
-      const Index a = start(h), b = end(h);
-      const double length = squared_norm(position(b) - position(a));
-      const double rise = 8 * std::abs(sagitta_of(a, b));
-      // Of the curvature rise / length, averaged over the edge.
-      if (rise > 0) lengths_[a] = std::min(lengths_[a], scale * length / rise);
+  /// How the surface bends at each vertex, by the normals around.
+  void find_metrics() {
+    shapes_ = shape_operators(mesh_.mesh(), normals_);
+    metrics_.resize(shapes_.size());
+    for (std::size_t v = 0; v < shapes_.size(); ++v) {
+      metrics_[v] = bend_metric(shapes_[v], normals_[v], stretch_);
     }
   }
-  double length_at(HalfEdge h) const { return std::min(lengths_[start(h)], lengths_[end(h)]); }
+
+  /// 2 where a triangle may be the tolerance off on either side, 1 where it is on both anyway.
+  double sides(Index v) const {
+    return options_.balance ? 1 + std::clamp(1 + metrics_[v].ratio, 0.0, 1.0) : 1.0;
+  }
+
+  /// The squared length of an edge, 1 where it is what suits the curvature.
+  double length_of(HalfEdge h) const {
+    const Index a = start(h), b = end(h);
+    const Vec3d edge = position(b) - position(a);
+    const auto at = [&](Index v) {
+      // Where the principal curvatures differ, a triangle is nearer than on a sphere of the
+      // greater.
+      const double gain = 1 + (1 - std::max(metrics_[v].ratio, 0.0)) / 3;
+      return dot(edge, metrics_[v].form * edge) / (6 * gain * sides(v) * kFit * options_.tolerance);
+    };
+    return std::max(at(a), at(b));
+  }
 
   void collapse_short(double share) {
     for (HalfEdge h = 0; h < half_edge_count(); ++h) {
       if (!mesh_.alive(triangle_of(h))) continue;
-      const double length = squared_norm(position(end(h)) - position(start(h)));
-      if (!(length < share * share * length_at(h))) continue;
-      if (may_collapse(h)) {
+      if (!(length_of(h) < share * share)) continue;
+      if (may_collapse(h, share < kInfinity ? kSlack : kStrict)) {
         mesh_.collapse_edge(h);
         ++statistics.collapses;
       }
@@ -239,28 +292,78 @@ class Remesher {
 
   /// Whether the triangles that stay around the start of h would be near the surface, face its way,
   /// and be shaped no worse than is tolerable or than they were.
-  bool may_collapse(HalfEdge h) const {
+  bool may_collapse(HalfEdge h, double slack) const {
     constexpr double kShape = 0.35;
     const Index a = start(h), b = end(h);
     const HalfEdge back = mesh_.opposite(h);
     bool fits = dot(normals_[a], normals_[b]) > kTurn;
     double worst = 1.0, worst_now = 1.0;
+    double angle = sound_, angle_now = sound_;
     mesh_.for_ring(h, [&](HalfEdge turn) {
       if (!fits) return;
       const Index c = end(turn), d = end(next_in_triangle(turn));
-      worst_now = std::min(worst_now, quality(position(a), position(c), position(d)));
+      worst_now = std::min(worst_now, quality(a, c, d));
+      angle_now = std::min(angle_now, angle_of(a, c, d));
       if (turn == h || triangle_of(turn) == triangle_of(back)) return;
-      fits = faces_outward(b, c, d) && is_near(b, c, d) && near_vertex(a, b, c, d);
-      worst = std::min(worst, quality(position(b), position(c), position(d)));
+      fits = faces_outward(b, c, d) && is_near(b, c, d, slack) && near_vertex(a, b, c, d, slack);
+      worst = std::min(worst, quality(b, c, d));
+      angle = std::min(angle, angle_of(b, c, d));
     });
-    return fits && (worst > kShape || worst > worst_now) && mesh_.can_collapse(h);
+    return fits && angle >= angle_now && (worst > kShape || worst > worst_now) &&
+           mesh_.can_collapse(h);
   }
 
   /// Whether the plane of a triangle passes within the tolerance of a vertex, along its normal.
-  bool near_vertex(Index v, Index a, Index b, Index c) const {
+  bool near_vertex(Index v, Index a, Index b, Index c, double slack) const {
     const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
     const double height = dot(area, position(v) - position(a));
-    return std::abs(height) <= allowed(v, slack_of(a, b, c)) * norm(area);
+    return std::abs(height) <= sides(v) * allowed(v, slack_of(a, b, c, slack)) * norm(area);
+  }
+
+  Symmetric3 form_of(Index a, Index b, Index c) const {
+    return metrics_[a].form + metrics_[b].form + metrics_[c].form;
+  }
+
+  /// A triangle, seen from a, as the surface measures it.
+  MeasuredTriangle measured(const Symmetric3& form, Index a, Index b, Index c) const {
+    return {form, position(b) - position(a), position(c) - position(a)};
+  }
+  double quality(Index a, Index b, Index c) const {
+    return measured(form_of(a, b, c), a, b, c).quality();
+  }
+
+  /// Cuts the longest edges of triangles that are too far from the surface.
+  void split_far() {
+    const std::size_t count = mesh_.mesh().triangles.size();
+    for (std::size_t t = 0; t < count; ++t) {
+      if (!mesh_.alive(t)) continue;
+      const auto [a, b, c] = mesh_.mesh().triangles[t];
+      if (std::max({a, b, c}) >= metrics_.size()) continue;
+      if (!(deviation_of(a, b, c) > slack_of(a, b, c, kFar) * options_.tolerance)) continue;
+      const auto first = static_cast<HalfEdge>(3 * t);
+      HalfEdge longest = first;
+      for (const HalfEdge h : {first + 1, first + 2}) {
+        if (length_of(h) > length_of(longest)) longest = h;
+      }
+      const HalfEdge beyond = next_in_triangle(mesh_.opposite(longest));
+      if (end(beyond) >= metrics_.size()) continue;
+      split(longest);
+    }
+    sort_by_place();
+  }
+
+  /// Puts a vertex on the surface above the middle of an edge, as far as the normals tell.
+  void split(HalfEdge h) {
+    const Index a = start(h), b = end(h);
+    const Vec3d sum = normals_[a] + normals_[b];
+    const double length = norm(sum);
+    if (!(length > kTurn)) return;
+    const Vec3d n = sum / length;
+    mesh_.split_edge(h, 0.5 * (position(a) + position(b)) + sagitta_of(a, b) * n);
+    normals_.push_back(n);
+    leaf_of_.push_back(leaf_of_[a]);
+    last_step_.push_back(0.0);
+    used_.push_back(true);
   }
 
   bool faces_outward(Index a, Index b, Index c) const {
@@ -288,17 +391,19 @@ class Remesher {
     const Index a = start(h), b = end(h);
     const Index c = end(next_in_triangle(h)), d = end(next_in_triangle(back));
     if (c == d) return false;
-    if (!(cotangent(c, a, b) + cotangent(d, b, a) < -1e-9)) return false;
+    const Symmetric3 form = form_of(a, b, c) + metrics_[d].form;
+    const double both = measured(form, c, a, b).cotangent() + measured(form, d, b, a).cotangent();
+    if (!(both < -1e-9)) return false;
     if (!faces_outward(d, c, a) || !faces_outward(c, d, b)) return false;
+    const double angle = std::min(angle_of(d, c, a), angle_of(c, d, b));
+    if (angle < sound_ && angle < std::min(angle_of(a, b, c), angle_of(b, a, d))) return false;
     const double now = std::max(deviation_of(a, b, c), deviation_of(b, a, d));
     const double then = std::max(deviation_of(d, c, a), deviation_of(c, d, b));
-    return !(then > now && then > kAim * options_.tolerance);
+    return !(then > now && then > kFit * options_.tolerance);
   }
 
-  /// Of the angle at a.
-  double cotangent(Index a, Index b, Index c) const {
-    const Vec3d u = position(b) - position(a), v = position(c) - position(a);
-    return dot(u, v) / std::max(norm(cross(u, v)), std::numeric_limits<double>::min());
+  double angle_of(Index a, Index b, Index c) const {
+    return smallest_angle(position(a), position(b), position(c));
   }
 
   // ---- Folds ----
@@ -368,88 +473,108 @@ class Remesher {
 
   // ---- Moving ----
 
-  /// Moves every vertex towards the middle of its triangles, along the surface, where no triangle
-  /// turns over for it.
+  /// Moves vertices and flips edges in turns.
+  void even_out() {
+    flip_edges();
+    for (int round = 0; round < kMoves; ++round) {
+      relax();
+      flip_edges();
+    }
+    const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = normals_;
+    project(1);
+    take_back(old_points, old_normals);
+  }
+
+  /// Moves every vertex to the mean of the circumcentres of its triangles, all measured as the
+  /// surface bends (Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations", 2004),
+  /// where no triangle is the worse for it.
   void relax() {
     const auto& triangles = mesh_.mesh().triangles;
     std::vector<Vec3d> sum(normals_.size(), Vec3d{});
     std::vector<double> weight(normals_.size(), 0.0);
     for (const auto& t : triangles) {
       if (t[0] == t[1]) continue;
-      const Vec3d middle = (position(t[0]) + position(t[1]) + position(t[2])) / 3.0;
-      const double area =
-          norm(cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0])));
-      for (const Index v : t) {
-        sum[v] += area * middle;
-        weight[v] += area;
+      const Symmetric3 form = form_of(t[0], t[1], t[2]);
+      const double dense = metrics_[t[0]].density + metrics_[t[1]].density + metrics_[t[2]].density;
+      for (std::size_t k = 0; k < 3; ++k) {
+        const MeasuredTriangle seen = measured(form, t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
+        const double mass = dense * seen.area();
+        sum[t[k]] += mass * seen.to_centre();
+        weight[t[k]] += mass;
       }
     }
-    std::vector<Index> moved;
-    std::vector<Vec3d> points;
+    const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = normals_;
     for (const Index v : order_) {
-      if (!(weight[v] > 0)) continue;
-      const Vec3d step = sum[v] / weight[v] - position(v);
-      points.push_back(position(v) + (step - dot(step, normals_[v]) * normals_[v]));
-      moved.push_back(v);
+      if (weight[v] > 0) move_along(v, sum[v] / weight[v]);
     }
-    move(moved, points);
+    take_back(old_points, old_normals);
   }
 
-  void move(std::span<const Index> vertices, std::span<Vec3d> points) {
-    std::vector<Jet> jets(points.size());
-    std::vector<Vec3d> old_points(vertices.size()), old_normals(vertices.size());
-    evaluate(vertices, points, jets);
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-      const Index v = vertices[i];
-      old_points[i] = position(v), old_normals[i] = normals_[v];
-      place(v, points[i], jets[i]);
+  /// Moves a vertex as far as the surface and its normal can be told from how it bends there.
+  void move_along(Index v, const Vec3d& way) {
+    constexpr double kMostTurn = 0.3;
+    const Vec3d step = bounded(way - dot(way, normals_[v]) * normals_[v], v);
+    const Vec3d turn = shapes_[v] * step;
+    if (!(squared_norm(turn) < kMostTurn * kMostTurn)) return;
+    mesh_.move_vertex(v, position(v) + step - 0.5 * dot(step, turn) * normals_[v]);
+    normals_[v] = normalized(normals_[v] + turn);
+  }
+
+  /// Whether a triangle should not be as it is, after its corners were moved from these points.
+  bool worse(const std::array<Index, 3>& t, std::span<const Vec3d> points) const {
+    if (!faces_outward(t[0], t[1], t[2])) return true;
+    if (deviation_of(t[0], t[1], t[2]) > slack_of(t[0], t[1], t[2], kSlack) * options_.tolerance) {
+      return true;
     }
-    take_back(vertices, old_points, old_normals);
+    const double angle = angle_of(t[0], t[1], t[2]);
+    return angle < sound_ && angle < smallest_angle(points[t[0]], points[t[1]], points[t[2]]);
   }
 
   /// Returns the vertices of triangles that turned over, until there are none or all are back.
-  void take_back(std::span<const Index> vertices, std::span<const Vec3d> points,
-                 std::span<const Vec3d> normals) {
-    std::vector<Index> place(normals_.size(), 0);
-    for (std::size_t i = 0; i < vertices.size(); ++i) place[vertices[i]] = static_cast<Index>(i);
-    std::vector<bool> back(vertices.size(), false);
+  void take_back(std::span<const Vec3d> points, std::span<const Vec3d> normals) {
+    std::vector<bool> back(normals.size(), false);
     constexpr int kMostRounds = 8;
     for (int round = 0; round < kMostRounds; ++round) {
       bool any = false;
       for (const auto& t : mesh_.mesh().triangles) {
-        if (t[0] == t[1] ||
-            (faces_outward(t[0], t[1], t[2]) &&
-             deviation_of(t[0], t[1], t[2]) <= slack_of(t[0], t[1], t[2]) * options_.tolerance)) {
-          continue;
-        }
+        if (t[0] == t[1] || !worse(t, points)) continue;
         for (const Index v : t) {
-          const Index i = place[v];
-          if (back[i]) continue;
-          back[i] = any = true;
-          mesh_.move_vertex(v, points[i]);
-          normals_[v] = normals[i];
+          if (back[v]) continue;
+          back[v] = any = true;
+          mesh_.move_vertex(v, points[v]);
+          normals_[v] = normals[v];
         }
       }
       if (!any) break;
     }
   }
 
-  static constexpr double kAim = 0.72;  ///< of the tolerance
-  /// Edges are collapsed below this share of the length that suits the curvature.
-  static constexpr int kSmoothing = 3;  ///< rounds of moving and flipping alone, at the end
-  static constexpr double kShortest = 0.8;
+  static constexpr int kFittings = 3;       ///< rounds of splitting what is too far, at the end
+  static constexpr int kMoves = 3;          ///< of all vertices, in each round
+  static constexpr double kFit = 0.86;      ///< of the tolerance, which collapsing aims at
+  static constexpr double kSlack = 1.6;     ///< times that, at first: moving spreads the error
+  static constexpr double kStrict = 1.2;    ///< the same at last
+  static constexpr double kRough = 0.6;     ///< the same where normals turn much between corners
+  static constexpr double kFar = 0.97;      ///< of the tolerance, beyond which triangles are split
+  static constexpr double kShortest = 0.8;  ///< of the length that suits the curvature
+  /// Most ratio of curvatures that triangles follow, at first and last.
+  static constexpr double kStretch = 4.0, kLastStretch = 3.0;
   static constexpr double kTurn = 0.2;  ///< least cosine between a triangle and its normals
 
   const ImplicitSurface& surface_;
   const SurfaceOctree& tree_;
   const RemeshOptions& options_;
-  std::span<const Octree::Index> leaf_of_;
+  std::vector<Octree::Index> leaf_of_;
   EditableMesh mesh_;
   std::vector<Vec3d> normals_;
-  std::vector<double> lengths_;
+  std::vector<Symmetric3> shapes_;
+  std::vector<BendMetric> metrics_;
   std::vector<double> last_step_;  ///< on the way to the surface
   std::vector<Index> order_;
   std::vector<bool> used_;
+  /// Triangles with angles below this, in degrees, are not made of better ones.
+  double sound_ = kThinAngle;
+  double stretch_ = kStretch;  ///< most ratio of curvatures that triangles follow
 };
 
 }  // namespace

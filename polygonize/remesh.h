@@ -23,6 +23,9 @@ struct RemeshOptions {
   int rounds = 3;          ///< of collapsing, flipping and moving
   /// Whether to look for triangles that cross and take them apart, at first and last.
   bool untangle = false;
+  /// Whether vertices may be off the surface, by up to 0.8 tolerances, so that it is as far above
+  /// triangles as below: outside where it is convex, inside where it is hollow.
+  bool balance = false;
   Progress* progress = nullptr;
 };
 
@@ -35,7 +38,7 @@ struct RemeshStatistics {
 
 /// `mesh` is closed, oriented and 2-manifold (else ContractViolation), without attributes; it comes
 /// from `tree`, whose leaf_of[v] is a leaf vertex v is near. Vertices are on the surface of the
-/// tree afterwards, as far as Newton's method along the gradient takes them. The topology of the
+/// tree afterwards, as far as Newton's method along the gradient takes them, unless balanced. The topology of the
 /// mesh stays as it is. Not promised: that every triangle is within the tolerance.
 TriangleMesh remesh(const ImplicitSurface& surface, const SurfaceOctree& tree, TriangleMesh mesh,
                     std::span<const Octree::Index> leaf_of, const RemeshOptions& options,

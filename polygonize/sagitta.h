@@ -14,20 +14,32 @@ inline double sagitta(const Vec3d& a, const Vec3d& na, const Vec3d& b, const Vec
   return 0.125 * dot(b - a, nb - na);
 }
 
-/// The greatest distance between a triangle and a surface through its corners that rises by these
-/// sagittas over its edges, to second order: of 4 (s01 l0 l1 + s12 l1 l2 + s20 l2 l0) over the
-/// barycentric coordinates l. For an equilateral triangle on a sphere that is 4/3 of the sagitta.
-inline double deviation(double s01, double s12, double s20) {
-  double most = std::max({std::abs(s01), std::abs(s12), std::abs(s20)});
+/// How far a surface is above a triangle, at least and at most; 0 is between, as at the corners.
+struct DeviationRange {
+  double low = 0.0, high = 0.0;
+};
+
+/// Of a surface through the corners of a triangle that rises by these sagittas over its edges, to
+/// second order: of 4 (s01 l0 l1 + s12 l1 l2 + s20 l2 l0) over the barycentric coordinates l.
+inline DeviationRange deviation_range(double s01, double s12, double s20) {
+  DeviationRange range{std::min({0.0, s01, s12, s20}), std::max({0.0, s01, s12, s20})};
   // Where the gradient of the form is the same in all three coordinates.
   const double l0 = s12 * (s01 + s20 - s12);
   const double l1 = s20 * (s01 + s12 - s20);
   const double l2 = s01 * (s12 + s20 - s01);
-  const double sum = l0 + l1 + l2;
   if ((l0 > 0 && l1 > 0 && l2 > 0) || (l0 < 0 && l1 < 0 && l2 < 0)) {
-    most = std::max(most, std::abs(4 * s01 * s12 * s20 / sum));
+    const double inside = 4 * s01 * s12 * s20 / (l0 + l1 + l2);
+    range.low = std::min(range.low, inside);
+    range.high = std::max(range.high, inside);
   }
-  return most;
+  return range;
+}
+
+/// The greatest distance between them. For an equilateral triangle on a sphere that is 4/3 of the
+/// sagitta.
+inline double deviation(double s01, double s12, double s20) {
+  const DeviationRange range = deviation_range(s01, s12, s20);
+  return std::max(-range.low, range.high);
 }
 
 }  // namespace cs2mesh

@@ -11,6 +11,7 @@
 #include "polygonize/metrology.h"
 #include "polygonize/octree_mesh.h"
 #include "polygonize/sagitta.h"
+#include "polygonize/triangle_shape.h"
 #include "tests/unit/polygonize/analytic_surfaces.h"
 
 namespace cs2mesh {
@@ -23,6 +24,14 @@ TEST(Sagitta, IsThatOfACircle) {
   const Vec3d a{std::cos(angle), std::sin(angle), 0}, b{std::cos(angle), -std::sin(angle), 0};
   EXPECT_NEAR(sagitta(a, a, b, b), 1 - std::cos(angle), 1e-3 * (1 - std::cos(angle)));
   EXPECT_LT(sagitta(a, -1.0 * a, b, -1.0 * b), 0) << "hollow";
+}
+
+TEST(Deviation, HasASideForTheHollowAndOneForTheConvex) {
+  const DeviationRange bowl = deviation_range(-3, -3, -3), saddle = deviation_range(1, -1, 0);
+  EXPECT_NEAR(bowl.low, -4, 1e-12);
+  EXPECT_EQ(bowl.high, 0);
+  EXPECT_EQ(saddle.low, -1);
+  EXPECT_EQ(saddle.high, 1);
 }
 
 TEST(Deviation, IsTheGreatestOfTheFormOverTheTriangle) {
@@ -43,13 +52,17 @@ TEST(Deviation, IsTheGreatestOfTheFormOverTheTriangle) {
   }
 }
 
-TriangleMesh remeshed(const ImplicitSurface& surface, double tolerance, RemeshStatistics& log) {
+TriangleMesh remeshed(const ImplicitSurface& surface, double tolerance, RemeshStatistics& log,
+                      bool balance = false) {
   SurfaceOctreeOptions options;
   options.tolerance = tolerance;
   options.smallest = 0.1 * tolerance;
   const Result<SurfaceOctree> tree = SurfaceOctree::build(surface, options);
   const OctreeMesh first = mesh_octree(surface, *tree);
-  return remesh(surface, *tree, first.mesh, first.leaf_of, {tolerance}, &log);
+  RemeshOptions remeshing;
+  remeshing.tolerance = tolerance;
+  remeshing.balance = balance;
+  return remesh(surface, *tree, first.mesh, first.leaf_of, remeshing, &log);
 }
 
 TEST(Remesh, KeepsTheTopologyAndAllButTheTolerance) {
@@ -71,8 +84,27 @@ TEST(Remesh, ASphereTakesLittleMoreThanTheOptimum) {
   const double tolerance = 1e-3;
   const TriangleMesh mesh = remeshed(sphere, tolerance, log);
   const double optimum = 0.385 * 4 * std::numbers::pi / tolerance;  // hexagonal, on the surface
-  EXPECT_LT(static_cast<double>(mesh.triangles.size()), 1.75 * optimum);
+  EXPECT_LT(static_cast<double>(mesh.triangles.size()), 1.45 * optimum);
   for (const Vec3d& p : mesh.positions) EXPECT_NEAR(norm(p), 1.0, 1e-9);
+}
+
+TEST(Remesh, BalancedASphereTakesHalfOfThatAndIsNearOnBothSides) {
+  const Surface<Sphere> sphere;
+  RemeshStatistics log;
+  const double tolerance = 1e-3;
+  const TriangleMesh mesh = remeshed(sphere, tolerance, log, true);
+  const double optimum = 0.5 * 0.385 * 4 * std::numbers::pi / tolerance;
+  EXPECT_LT(static_cast<double>(mesh.triangles.size()), 1.5 * optimum);
+  for (const Vec3d& p : mesh.positions)
+    EXPECT_NEAR(norm(p), 1.0 + 0.5 * tolerance, 0.5 * tolerance);
+}
+
+TEST(Remesh, TrianglesOfATorusFollowItsCurvatureWithoutGettingThin) {
+  const Surface<Torus> torus;
+  RemeshStatistics log;
+  const TriangleMesh mesh = remeshed(torus, 1e-3, log);
+  const TriangleShapes shapes = triangle_shapes(mesh);
+  EXPECT_LT(static_cast<double>(shapes.thin), 0.002 * static_cast<double>(mesh.triangles.size()));
 }
 
 TEST(Remesh, WantsATolerance) {

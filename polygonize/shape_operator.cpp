@@ -1,0 +1,87 @@
+#include "polygonize/shape_operator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "libfield/base/check.h"
+
+namespace cs2mesh {
+namespace {
+
+/// Two directions of length 1 that complete a unit vector to a right-handed frame.
+struct TangentFrame {
+  explicit TangentFrame(const Vec3d& n) {
+    const Vec3d side = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    u = normalized(cross(n, side));
+    v = cross(n, u);
+  }
+  Vec3d u, v;
+};
+
+/// The sums of the least squares at a vertex: of edges (x, y) and what normals turn by along them.
+struct Fit {
+  double xx = 0, xy = 0, yy = 0;       ///< products of edges
+  double x_x = 0, mixed = 0, y_y = 0;  ///< x dx, x dy + y dx, y dy
+
+  void add(double x, double y, double dx, double dy, double weight) {
+    xx += weight * x * x, xy += weight * x * y, yy += weight * y * y;
+    x_x += weight * x * dx, mixed += weight * (x * dy + y * dx), y_y += weight * y * dy;
+  }
+  /// The S that makes the sum of |S e - de|^2 least.
+  Symmetric3 solve(const TangentFrame& frame) const {
+    constexpr double kLeast = 1e-6;  // of directions that differ
+    if (!(xx > 0 && yy > 0 && xx * yy - xy * xy > kLeast * (xx + yy) * (xx + yy))) return {};
+    const double across =
+        (mixed - xy * (x_x / xx + y_y / yy)) / ((xx + yy) - xy * xy * (1 / xx + 1 / yy));
+    const double along_x = (x_x - across * xy) / xx, along_y = (y_y - across * xy) / yy;
+    return along_x * squared(frame.u) + along_y * squared(frame.v) +
+           across * symmetric_product(frame.u, frame.v);
+  }
+};
+
+}  // namespace
+
+std::vector<Symmetric3> shape_operators(const TriangleMesh& mesh, std::span<const Vec3d> normals) {
+  require(normals.size() == mesh.positions.size(), "shape_operators: one normal a vertex");
+  std::vector<TangentFrame> frames;
+  frames.reserve(normals.size());
+  for (const Vec3d& n : normals) frames.emplace_back(n);
+  std::vector<Fit> fits(normals.size());
+  for (const auto& t : mesh.triangles) {
+    if (t[0] == t[1]) continue;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto a = t[k], b = t[(k + 1) % 3];
+      const Vec3d edge = mesh.positions[b] - mesh.positions[a], turn = normals[b] - normals[a];
+      const double length = squared_norm(edge);
+      if (!(length > 0)) continue;
+      const TangentFrame& frame = frames[a];
+      fits[a].add(dot(edge, frame.u), dot(edge, frame.v), dot(turn, frame.u), dot(turn, frame.v),
+                  1 / length);
+    }
+  }
+  std::vector<Symmetric3> shapes(normals.size());
+  for (std::size_t v = 0; v < shapes.size(); ++v) shapes[v] = fits[v].solve(frames[v]);
+  return shapes;
+}
+
+BendMetric bend_metric(const Symmetric3& shape, const Vec3d& normal, double stretch) {
+  const TangentFrame frame(normal);
+  const Vec3d su = shape * frame.u, sv = shape * frame.v;
+  const double uu = dot(frame.u, su), vv = dot(frame.v, sv), uv = dot(frame.u, sv);
+  const double mean = 0.5 * (uu + vv), radius = std::hypot(0.5 * (uu - vv), uv);
+  const double angle = 0.5 * std::atan2(uv, 0.5 * (uu - vv));
+  const Vec3d first = std::cos(angle) * frame.u + std::sin(angle) * frame.v;
+  const double k1 = mean + radius, k2 = mean - radius;  // k1 along `first`
+  const double greater = std::max(std::abs(k1), std::abs(k2));
+  const double least = greater / stretch;
+  const double m1 = std::max(std::abs(k1), least), m2 = std::max(std::abs(k2), least);
+  BendMetric metric;
+  const Vec3d second = cross(normal, first);
+  metric.form = m1 * squared(first) + m2 * squared(second) + greater * squared(normal);
+  metric.density = std::sqrt(m1 * m2);
+  if (greater > 0) metric.ratio = std::abs(k1) >= std::abs(k2) ? k2 / k1 : k1 / k2;
+  return metric;
+}
+
+}  // namespace cs2mesh

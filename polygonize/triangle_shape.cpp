@@ -1,0 +1,34 @@
+#include "polygonize/triangle_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace cs2mesh {
+
+double smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  // It lies opposite to the shortest side.
+  const Vec3d u = b - a, v = c - b, w = a - c;
+  const double uu = squared_norm(u), vv = squared_norm(v), ww = squared_norm(w);
+  const double beside = uu <= std::min(vv, ww)   ? -dot(v, w)
+                        : vv <= std::min(uu, ww) ? -dot(w, u)
+                                                 : -dot(u, v);
+  const double twice_area = norm(cross(u, v));
+  if (!(twice_area > 0)) return 0.0;
+  return std::atan2(twice_area, beside) * (180.0 / std::numbers::pi);
+}
+
+TriangleShapes triangle_shapes(const TriangleMesh& mesh) {
+  TriangleShapes shapes;
+  const auto known = [&](TriangleMesh::Index v) { return v < mesh.positions.size(); };
+  for (const auto& t : mesh.triangles) {
+    if (!std::all_of(t.begin(), t.end(), known)) continue;
+    const double angle =
+        smallest_angle(mesh.positions[t[0]], mesh.positions[t[1]], mesh.positions[t[2]]);
+    shapes.min_angle_deg = std::min(shapes.min_angle_deg, angle);
+    if (angle < kThinAngle) ++shapes.thin;
+  }
+  return shapes;
+}
+
+}  // namespace cs2mesh

@@ -1,0 +1,25 @@
+// How well the triangles of a mesh are shaped.
+#pragma once
+
+#include <cstddef>
+
+#include "polygonize/triangle_mesh.h"
+
+namespace cs2mesh {
+
+/// Triangles with an angle below this, in degrees, count as thin.
+inline constexpr double kThinAngle = 20.0;
+
+/// The smallest angle of a triangle, in degrees: 60 if it is equilateral, 0 if two corners or all
+/// lie on a line. 0 for corners that are not finite.
+double smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
+
+struct TriangleShapes {
+  double min_angle_deg = 60.0;  ///< of all; 60 for a mesh without triangles
+  std::size_t thin = 0;         ///< triangles with an angle below kThinAngle
+};
+
+/// Triangles with an index out of range are left out. O(n).
+TriangleShapes triangle_shapes(const TriangleMesh& mesh);
+
+}  // namespace cs2mesh
