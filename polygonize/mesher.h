@@ -13,9 +13,9 @@
 namespace cs2mesh {
 
 struct MesherRequest {
-  double tolerance = 0.0;                  ///< largest distance, both ways; scene units, > 0
-  double thinnest_radius = 0.0;            ///< the smallest radius of the surface's elements, > 0
-  bool creased = false;                    ///< whether the surface may have creases
+  double tolerance = 0.0;        ///< largest distance, both ways; scene units, > 0
+  double thinnest_radius = 0.0;  ///< the smallest radius of the surface's elements, > 0
+  bool creased = false;          ///< whether the surface may have creases
   /// Whether vertices may be off the surface, within the tolerance, where that saves triangles. Of
   /// the meshers below `adaptive` makes use of it.
   bool balance = false;
