@@ -4,7 +4,10 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "cli/interrupt.h"
+#include "cli/output_files.h"
 #include "polygonize/part_request.h"
+#include "polygonize/ply.h"
 
 namespace cs2mesh {
 namespace {
@@ -143,6 +146,30 @@ Model picture_of_doubts(const MeshedScene& meshed,
     if (!part.mesh.empty()) model.parts.push_back(std::move(part));
   }
   return model;
+}
+
+std::vector<PartCertificate> certify_if_asked(const MeshedScene& meshed,
+                                              const CompiledScene& compiled,
+                                              const Fineness& fineness, const MeshRequest& request,
+                                              Json report, Console& console) {
+  if (!request.wants_certificate()) return {};
+  std::vector<PartCertificate> certificates = certify_parts(meshed, compiled, fineness, console);
+  console.say(summary(certificates));
+  if (!request.certificate.empty()) {
+    const WhileWriting guard;
+    OutputFiles files;
+    console.take(files.write(request.certificate, [&](const std::string& at) {
+      return write_ply(picture_of_doubts(meshed, certificates), at);
+    }));
+    console.take(files.commit());
+  }
+  if (request.certify && any_doubt(certificates)) {
+    add_certificates(report, certificates);
+    deliver(report, request.report, console);
+    console.fail(Failure::tolerance, "not all of the mesh is certified; no mesh was written",
+                 {request.input.path, 0, 0});
+  }
+  return certificates;
 }
 
 }  // namespace cs2mesh

@@ -33,4 +33,11 @@ std::string summary(const std::vector<PartCertificate>& certificates);
 Model picture_of_doubts(const MeshedScene& meshed,
                         const std::vector<PartCertificate>& certificates);
 
+/// Certifies the parts if that was asked for, and writes the picture if that was. With --certify
+/// throws Exit{kToleranceMissed}, the report delivered, if anything is in doubt.
+std::vector<PartCertificate> certify_if_asked(const MeshedScene& meshed,
+                                              const CompiledScene& compiled,
+                                              const Fineness& fineness, const MeshRequest& request,
+                                              Json report, Console& console);
+
 }  // namespace cs2mesh

@@ -29,6 +29,7 @@ TriangleMesh mesh_within_tolerance(const Part& part, const Fineness& fineness, P
                                    Console& console) {
   const double tolerance = fineness.tolerance;
   MesherRequest request = request_for(part, tolerance, &console.progress());
+  request.min_feature = fineness.min_feature;
   request.balance = fineness.balance;
   MesherResult result = console.take(fineness.mesher->mesh(*part.surface, request));
   if (!result.reached) {
@@ -45,6 +46,7 @@ TriangleMesh mesh_within_tolerance(const Part& part, const Fineness& fineness, P
   }
   log.cell = result.cell;
   log.error = result.error;
+  log.unresolved_cells = result.unresolved_cells;
   return std::move(result.mesh);
 }
 
@@ -59,10 +61,13 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
   fineness.tolerance = request.tolerance      ? request.tolerance->absolute(diagonal)
                        : scene.mesh.tolerance ? *scene.mesh.tolerance
                                               : kDefaultTolerance * diagonal;
-  // A tolerance or a mesher on the command line wins over the scene's cell.
+  if (request.min_feature) fineness.min_feature = request.min_feature->absolute(diagonal);
+  // A tolerance or a mesher on the command line wins over the scene's cell, and so do options that
+  // need a tolerance.
   if (request.cell) {
     fineness.cell = request.cell->absolute(diagonal);
-  } else if (scene.mesh.cell && !request.tolerance && fineness.mesher == &meshers().front()) {
+  } else if (scene.mesh.cell && !request.needs_tolerance() &&
+             fineness.mesher == &meshers().front()) {
     fineness.cell = *scene.mesh.cell;
   }
   return fineness;

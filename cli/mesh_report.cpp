@@ -70,6 +70,10 @@ std::string counted(std::size_t count, const std::string& thing) {
   return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
 }
 
+std::string void_text(std::size_t voids) {
+  return voids == 0 ? "" : " (" + counted(voids, "void") + ")";
+}
+
 }  // namespace
 
 Json to_json(const Vec3d& v) {
@@ -100,7 +104,8 @@ std::string summary(const std::vector<PartReport>& parts) {
   const MeshReport all = combined(parts);
   std::string text = std::to_string(all.vertices) + " vertices, " + std::to_string(all.triangles) +
                      " triangles, " + counted(parts.size(), "part") + ", " +
-                     counted(all.components, "component") + ", genus " + std::to_string(all.genus);
+                     counted(all.components, "component") + void_text(all.voids) + ", genus " +
+                     std::to_string(all.genus);
   text += all.closed ? ", closed" : ", not closed";
   text += all.manifold_edges && all.manifold_vertices ? ", manifold" : ", not manifold";
   text += ", self-intersections: ";

@@ -42,8 +42,43 @@ void add_quality_options(CLI::App& app, MeshRequest& request) {
              std::string(can_unite() ? "united" : "separate, since this build has no CGAL") + ")")
       ->check(CLI::IsMember({"united", "separate"}))
       ->type_name("HOW");
-  app.add_flag("--verify", request.verify,
-               "measure the result with rays before anything is written; status 5 if it is off");
+}
+
+/// Options that concern the mesh as a whole.
+void add_whole_options(CLI::App& app, MeshRequest& request) {
+  add_length_option(app, "--component-min", request.component_min,
+                    "leave out components whose box has a shorter diagonal than this: the mesh "
+                    "keeps its distance from the surface, but the surface has more than the mesh");
+  add_length_option(
+      app, "--min-feature", request.min_feature,
+      "necks, gaps and pieces thinner than this may be lost, for a faster run of the "
+      "mesher that proves there are none: it does not cut cells below; JSON and words "
+      "count those that may hide some")
+      ->excludes("--cell");
+  app.add_flag("--outer", request.outer,
+               "likewise leave out voids and what is in them, so that what is seen from outside "
+               "remains");
+  app.add_option("--max-triangles", request.max_triangles,
+                 "no more triangles than N: the mesh with the smallest tolerance, no smaller than "
+                 "asked for, that a few meshings find; the JSON has the tolerance reached; status "
+                 "6 if a quarter of the diagonal takes more")
+      ->check(CLI::Range(std::size_t{4}, std::size_t{1} << 32))
+      ->excludes("--cell")
+      ->type_name("N");
+  app.add_option("--lod", request.levels,
+                 "also write N coarser levels of detail, each meshed anew to 4 times the tolerance "
+                 "of the one before and measured as by --verify: OUT.lod1.EXT, OUT.lod2.EXT ...")
+      ->check(CLI::Range(1, 8))
+      ->excludes("--cell")
+      ->type_name("N");
+}
+
+/// How far the mesh is to be trusted.
+void add_proof_options(CLI::App& app, MeshRequest& request) {
+  app.add_flag(
+      "--verify", request.verify,
+      "measure the result, as it will be written, both ways and with rays; where it is off, "
+      "mesh it finer; status 5, and no mesh, if it still is");
   CLI::Option* certify =
       app.add_flag("--certify", request.certify,
                    "prove that the mesh is within the tolerance and of the surface's topology; "
@@ -78,7 +113,38 @@ void add_output_options(CLI::App& app, MeshRequest& request) {
   app.add_option("--report", request.report, "write the JSON to this file too")->type_name("FILE");
 }
 
+/// No file is to be written over another, as by levels of outputs of like names.
+void require_apart(const std::vector<std::string>& files, Console& console) {
+  for (std::size_t i = 0; i < files.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (!OutputFiles::same_file(files[i], files[j])) continue;
+      console.fail(Failure::bad_input, "two outputs would be written to this file",
+                   {files[i], 0, 0});
+    }
+  }
+}
+
 }  // namespace
+
+std::vector<std::string> MeshRequest::outputs_of(int level) const {
+  std::vector<std::string> paths;
+  for (std::string path : outputs) {
+    if (level > 0) path.insert(path.rfind('.'), ".lod" + std::to_string(level));
+    paths.push_back(std::move(path));
+  }
+  return paths;
+}
+
+std::vector<std::string> MeshRequest::files() const {
+  std::vector<std::string> all;
+  for (int level = 0; level <= levels; ++level) {
+    for (std::string& path : outputs_of(level)) all.push_back(std::move(path));
+  }
+  for (const std::string& path : {report, certificate}) {
+    if (!path.empty()) all.push_back(path);
+  }
+  return all;
+}
 
 bool MeshRequest::wants(const std::string& attribute) const {
   return all_attributes ||
@@ -105,6 +171,8 @@ MeshRequest parse_mesh_request(const Words& arguments) {
       ->required()
       ->type_name("OUT...");
   add_quality_options(app, request);
+  add_whole_options(app, request);
+  add_proof_options(app, request);
   add_output_options(app, request);
   add_limit_options(app, request.common);
   add_json_option(app, request.common);
@@ -114,6 +182,10 @@ MeshRequest parse_mesh_request(const Words& arguments) {
 }
 
 void require_writable(const MeshRequest& request, Console& console) {
+  if (request.min_feature && request.mesher != meshers().front().name) {
+    console.fail(Failure::bad_input,
+                 "--min-feature is for --mesher " + std::string(meshers().front().name) + " alone");
+  }
   for (const std::string& path : request.outputs) {
     const std::optional<MeshFormat> format = mesh_format_of(path);
     if (!format || *format == MeshFormat::gltf || *format == MeshFormat::off) {
@@ -123,12 +195,12 @@ void require_writable(const MeshRequest& request, Console& console) {
                    {path, 0, 0});
     }
   }
+  const std::vector<std::string> files = request.files();
+  require_apart(files, console);
   if (request.dry_run) return;
-  for (const std::string& path : request.outputs) console.take(OutputFiles::can_write(path));
-  if (!request.report.empty()) console.take(OutputFiles::can_write(request.report));
+  for (const std::string& path : files) console.take(OutputFiles::can_write(path));
   if (!request.certificate.empty()) {
     console.take(OutputFiles::has_extension(request.certificate, ".ply"));
-    console.take(OutputFiles::can_write(request.certificate));
   }
 }
 

@@ -55,6 +55,11 @@ Result<Done> OutputFiles::can_write(const std::string& path) {
   return Done{};
 }
 
+bool OutputFiles::same_file(const std::string& a, const std::string& b) {
+  const fs::path place = resolved(a);
+  return place == resolved(b) && !is_special(place);
+}
+
 Result<Done> OutputFiles::has_extension(const std::string& path, const std::string& extension) {
   if (path.ends_with(extension)) return Done{};
   return error_at({path, 0, 0}, "expected a file name that ends with " + extension);

@@ -25,6 +25,10 @@ class OutputFiles {
   /// asked before hours of work. Error: Failure::output, located at the path.
   static Result<Done> can_write(const std::string& path);
 
+  /// Whether two paths are one regular file, or will be when it is written; what is no regular file
+  /// (a pipe, /dev/null) can be written to twice.
+  static bool same_file(const std::string& a, const std::string& b);
+
   /// Whether the name ends with `extension`, dot included. Error: Failure::bad_input, at the path.
   static Result<Done> has_extension(const std::string& path, const std::string& extension);
 

@@ -22,6 +22,11 @@ double tolerance_of(const MeshedScene& meshed, const CompiledScene& compiled,
 void merge(PartLog& into, const PartLog& log) {
   into.cell = std::min(into.cell, log.cell);
   into.error = std::max(into.error, log.error);
+  if (into.unresolved_cells && log.unresolved_cells) {
+    *into.unresolved_cells += *log.unresolved_cells;
+  } else {
+    into.unresolved_cells.reset();
+  }
 }
 
 }  // namespace

@@ -14,6 +14,7 @@
 #include "polygonize/improve.h"
 #include "polygonize/insert_points.h"
 #include "polygonize/mend_crossings.h"
+#include "polygonize/near_intersections.h"
 #include "polygonize/octree_mesh.h"
 #include "polygonize/refine.h"
 #include "polygonize/remesh.h"
@@ -29,7 +30,8 @@ constexpr double kSmall = 8.0;
 /// are refined to; what is accepted, as the distance is measured at points.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
-constexpr double kRefinedBlindly = 0.88;  // where what the mesh misses is found by chance
+constexpr std::size_t kMostPairs = 10'000;  ///< of triangles that cross
+constexpr double kRefinedBlindly = 0.88;    // where what the mesh misses is found by chance
 constexpr double kRefined = 0.93, kLost = 0.93, kAccept = 0.97;
 /// What triangles are refined to where others were in their way.
 constexpr double kCloser = 0.3;
@@ -46,9 +48,12 @@ SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
   options.prove = prove;
   if (!prove) options.coarseness = kCloseLook;
   options.smallest = std::min(kShare * request.tolerance, kNeck * request.thinnest_radius);
+  const double lattice = expected_cell(request.thinnest_radius, request.creased, request.tolerance);
+  // Cells twice as large are cut, so that what is thinner than those may be lost; but the tolerance
+  // is not to suffer.
+  const double ignored = std::min(0.5 * request.min_feature, 0.4 * lattice);
+  if (prove) options.smallest = std::max(options.smallest, ignored);
   if (!prove) {
-    const double lattice =
-        expected_cell(request.thinnest_radius, request.creased, request.tolerance);
     options.largest = kLattice * lattice;
     options.smallest = std::clamp(kShare * request.tolerance, 0.25 * lattice, 0.4 * lattice);
   }
@@ -70,7 +75,8 @@ class Adaptive {
     // Slits far below the smallest cell: better looked for than sampled by chance.
     constexpr double kMuch = 0.005;
     const double open = static_cast<double>(log_.open_leaves);
-    proven_ = provable_ && open <= kMuch * (open + static_cast<double>(log_.simple_leaves));
+    proven_ = provable_ && (request_.min_feature > 0 ||
+                            open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
     if (provable_ && !proven_) {
       lattice_.emplace(mesh_by_lattice(surface_, request_));
       if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
@@ -118,6 +124,7 @@ class Adaptive {
     }
     best.cell = smallest_cell_;
     best.reached = true;
+    if (proven_ && request_.min_feature > 0) best.unresolved_cells = log_.open_leaves;
     return best;
   }
 
@@ -189,9 +196,11 @@ class Adaptive {
     std::vector<Vec3d> close;  // where sheets come close, so that triangles have to be smaller
     std::vector<bool> close_vertices;
     std::size_t crossing_before = std::numeric_limits<std::size_t>::max();
+    TriangleMesh::Index unchecked = 0;  // triangles without a vertex from there on do not cross
+    std::vector<LostPoint> missed;
     const auto look_at_all = [&](bool all) {
       whole = all;
-      refinement.first_new = all ? 0 : static_cast<TriangleMesh::Index>(mesh.positions.size());
+      refinement.first_new = all ? 0 : vertex_count(mesh);
     };
     for (int pass = 0; pass < kMostPasses; ++pass) {
       if (!close.empty()) {
@@ -208,21 +217,33 @@ class Adaptive {
         find_again(lost, mesh);
       }
       begin("mend");
-      const std::vector<Vec3d> crossing = crossing_places(mesh);
+      SelfIntersections found = find_new_intersections(mesh, unchecked, kMostPairs);
+      const std::vector<Vec3d> crossing = places_of(found, mesh);
       put_down(lost, crossing);
       if (!crossing.empty()) {
         close.insert(close.end(), crossing.begin(), crossing.end());
         // Smaller triangles first: those that are mended may be farther from the surface.
         const bool fewer = crossing.size() < std::exchange(crossing_before, crossing.size());
-        if (!fewer &&
-            mend_crossings(surface_, mesh, request_.thinnest_radius).outcome == Crossings::left) {
-          return HUGE_VAL;
+        if (!fewer) {
+          if (mend_crossings(surface_, mesh, request_.thinnest_radius, std::move(found)) ==
+              Crossings::left) {
+            return HUGE_VAL;
+          }
+          unchecked = vertex_count(mesh);
         }
         look_at_all(false);
         continue;
       }
+      unchecked = vertex_count(mesh);
       begin("look back");
-      const std::vector<LostPoint> missed = lost_points(mesh, on_surface);
+      // Not every pass asks about all points of the surface, but the last one does.
+      if (whole || missed.empty()) {
+        missed = lost_points(mesh, on_surface);
+      } else {
+        std::vector<Vec3d> again;
+        for (const LostPoint& point : missed) again.push_back(point.on_surface);
+        missed = lost_points(mesh, again);
+      }
       lost.insert(lost.end(), missed.begin(), missed.end());
       put_down(missed, {});
       const bool near_enough = largest_distance(lost) <= kAccept * request_.tolerance;
@@ -257,6 +278,10 @@ class Adaptive {
     });
     for (int ring = 0; ring < kRings; ++ring) near = widened_by_ring(mesh, near);
     return near;
+  }
+
+  static TriangleMesh::Index vertex_count(const TriangleMesh& mesh) {
+    return static_cast<TriangleMesh::Index>(mesh.positions.size());
   }
 
   static double largest_distance(std::span<const LostPoint> lost) {
@@ -318,7 +343,7 @@ class Adaptive {
   /// looked for.
   double bring_near_both_ways(TriangleMesh& mesh) {
     const auto cross = [&] {
-      return mend_crossings(surface_, mesh, request_.thinnest_radius).outcome == Crossings::left;
+      return mend_crossings(surface_, mesh, request_.thinnest_radius) == Crossings::left;
     };
     if (cross()) return HUGE_VAL;
     BothWaysOptions options;

@@ -5,53 +5,23 @@
 #include <limits>
 #include <optional>
 
-#include "libfield/base/box_tree.h"
 #include "polygonize/insert_points.h"
-#include "polygonize/self_intersection.h"
+#include "polygonize/near_intersections.h"
 
 namespace cs2mesh {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The triangles with a vertex from `first_new` on, and all whose boxes meet theirs; vertices keep
-/// their numbers.
-TriangleMesh around_new(const TriangleMesh& mesh, TriangleMesh::Index first_new) {
-  const auto box_of = [&](const std::array<TriangleMesh::Index, 3>& triangle) {
-    Aabb box;
-    for (const auto v : triangle) box.include(mesh.positions[v]);
-    return box;
-  };
-  std::vector<Aabb> boxes;
-  for (const auto& triangle : mesh.triangles) {
-    if (*std::max_element(triangle.begin(), triangle.end()) >= first_new) {
-      boxes.push_back(box_of(triangle));
-    }
-  }
-  const BoxTree tree(std::move(boxes));
-  TriangleMesh part;
-  part.positions = mesh.positions;
-  std::vector<std::uint32_t> found;
-  for (const auto& triangle : mesh.triangles) {
-    found.clear();
-    tree.overlapping(box_of(triangle), found);
-    if (!found.empty()) part.triangles.push_back(triangle);
-  }
-  return part;
-}
-
 /// The corners of triangles that cross others, looked for where there are vertices from
 /// `first_new` on. None in a build that cannot tell.
 std::vector<TriangleMesh::Index> crossing_vertices(const TriangleMesh& mesh,
                                                    TriangleMesh::Index first_new) {
   constexpr std::size_t kMostPairs = 10'000;
-  const TriangleMesh part = around_new(mesh, first_new);
-  const std::optional<SelfIntersections> found = find_self_intersections(part, kMostPairs);
   std::vector<TriangleMesh::Index> corners;
-  if (!found) return corners;
-  for (const auto& pair : found->pairs) {
+  for (const auto& pair : find_new_intersections(mesh, first_new, kMostPairs).pairs) {
     for (const auto t : pair) {
-      corners.insert(corners.end(), part.triangles[t].begin(), part.triangles[t].end());
+      corners.insert(corners.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
     }
   }
   return corners;

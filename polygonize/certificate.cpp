@@ -10,7 +10,7 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/box_pairs.h"
-#include "polygonize/disjoint_sets.h"
+#include "polygonize/mesh_components.h"
 #include "polygonize/shell_prover.h"
 
 namespace cs2mesh {
@@ -30,12 +30,6 @@ constexpr int kThickenings = 6;
 constexpr double kThicker = 1.5;
 /// Of the tolerance, for the rounding of lengths.
 constexpr double kWhole = 1 - 1e-9;
-
-Aabb box_of(const TriangleMesh& mesh, std::size_t triangle) {
-  Aabb box;
-  for (const Index v : mesh.triangles[triangle]) box.include(mesh.positions[v]);
-  return box;
-}
 
 Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
@@ -169,7 +163,7 @@ class Certifier {
     Aabb box;
     std::vector<Vec3d> points;
     for (const std::uint32_t t : chunk) {
-      box.include(box_of(mesh_, t));
+      box.include(bounds(mesh_, t));
       const auto& corners = mesh_.triangles[t];
       for (const Index v : corners) points.push_back(mesh_.positions[v]);
       for (std::size_t k = 0; k < 3; ++k) {
@@ -287,7 +281,7 @@ std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb>
                                  std::vector<Doubt>& doubts) {
   if (open.empty()) return {};
   std::vector<Aabb> boxes(open.begin(), open.end());
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(box_of(mesh, t));
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) boxes.push_back(bounds(mesh, t));
   std::vector<bool> met(open.size(), false);
   const BoxPairs pairs(boxes);
   for (std::size_t group = 0; group < pairs.group_count(); ++group) {
@@ -304,20 +298,6 @@ std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb>
     if (!met[i]) alone.push_back(open[i]);
   }
   return alone;
-}
-
-/// The number of sets of triangles that are connected through vertices.
-std::size_t component_count(const TriangleMesh& mesh) {
-  DisjointSets sets(mesh.positions.size());
-  for (const auto& [a, b, c] : mesh.triangles) sets.join(a, b), sets.join(a, c);
-  std::vector<bool> seen(mesh.positions.size(), false);
-  std::size_t count = 0;
-  for (const auto& corners : mesh.triangles) {
-    const std::uint32_t root = sets.root(corners[0]);
-    count += seen[root] ? 0 : 1;
-    seen[root] = true;
-  }
-  return count;
 }
 
 bool leaves_sign_open(Doubt doubt) {
@@ -358,7 +338,7 @@ std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& to
   // Those that hold nothing of the shell first.
   std::stable_sort(regions.begin() + 1, regions.end(),
                    [](const auto& a, const auto& b) { return a.known < b.known; });
-  const std::size_t expected = component_count(mesh) + 1;
+  const std::size_t expected = components(mesh).size() + 1;
   std::size_t count = regions.size() > expected ? regions.size() - expected : 0;
   // A component in doubt may stand for none, and so make up for one that the mesh lacks.
   if (std::any_of(doubts.begin(), doubts.end(), leaves_sign_open)) {
@@ -379,7 +359,7 @@ void sum_up(const TriangleMesh& mesh, std::span<const Aabb> cells, Certificate& 
       certificate.certified_area += area;
     } else {
       certificate.places.push_back(
-          {centroid(mesh, t), certificate.doubts[t], area, box_of(mesh, t)});
+          {centroid(mesh, t), certificate.doubts[t], area, bounds(mesh, t)});
     }
   }
   for (const Aabb& cell : cells) {

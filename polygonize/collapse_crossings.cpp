@@ -23,23 +23,18 @@ class Untangler {
  public:
   explicit Untangler(EditableMesh& mesh) : mesh_(mesh), is_changed_(triangles().size(), false) {}
 
-  std::size_t run() {
-    constexpr std::size_t kMostPairs = 10'000;
-    TriangleMesh alive;
-    alive.positions = mesh_.mesh().positions;
+  std::size_t run(std::span<const std::array<Index, 2>> pairs) {
+    if (pairs.empty()) return 0;
+    std::vector<Aabb> boxes;
     for (Index t = 0; t < triangles().size(); ++t) {
       if (!mesh_.alive(t)) continue;
-      alive.triangles.push_back(triangles()[t]);
+      boxes.push_back(bounds(mesh_.mesh(), t));
       triangle_of_box_.push_back(t);
     }
-    const std::optional<SelfIntersections> found = find_self_intersections(alive, kMostPairs);
-    if (!found || found->pairs.empty()) return 0;
-    std::vector<Aabb> boxes;
-    for (const Corners& t : alive.triangles) boxes.push_back(box_of(t));
     tree_ = BoxTree(std::move(boxes));
     std::size_t mended = 0;
-    for (const auto& [a, b] : found->pairs) {
-      if (mend({triangle_of_box_[a], triangle_of_box_[b]})) ++mended;
+    for (const auto& pair : pairs) {
+      if (mend(pair)) ++mended;
     }
     return mended;
   }
@@ -80,11 +75,6 @@ class Untangler {
   const Vec3d& position(Index v) const { return mesh_.mesh().positions[v]; }
   Index start(HalfEdge h) const { return start_of(mesh_.mesh(), h); }
   Index end(HalfEdge h) const { return end_of(mesh_.mesh(), h); }
-  Aabb box_of(const Corners& t) const {
-    Aabb box;
-    for (const Index v : t) box.include(position(v));
-    return box;
-  }
   Vec3d normal(const Corners& t) const {
     return cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0]));
   }
@@ -105,7 +95,7 @@ class Untangler {
       if (mesh_.alive(t) && !is_changed_[t]) found.push_back(t);
     }
     for (const Index t : changed_) {
-      if (mesh_.alive(t) && box_of(triangles()[t]).overlaps(box)) found.push_back(t);
+      if (mesh_.alive(t) && bounds(mesh_.mesh(), t).overlaps(box)) found.push_back(t);
     }
     std::sort(found.begin(), found.end());
     return found;
@@ -232,8 +222,25 @@ class Untangler {
 
 }  // namespace
 
+std::size_t collapse_crossings(EditableMesh& mesh, std::span<const std::array<Index, 2>> pairs) {
+  return Untangler(mesh).run(pairs);
+}
+
 std::size_t collapse_crossings(EditableMesh& mesh) {
-  return Untangler(mesh).run();
+  constexpr std::size_t kMostPairs = 10'000;
+  TriangleMesh alive;
+  alive.positions = mesh.mesh().positions;
+  std::vector<Index> numbers;
+  for (Index t = 0; t < mesh.mesh().triangles.size(); ++t) {
+    if (!mesh.alive(t)) continue;
+    alive.triangles.push_back(mesh.mesh().triangles[t]);
+    numbers.push_back(t);
+  }
+  std::vector<std::array<Index, 2>> pairs;
+  const std::optional<SelfIntersections> found = find_self_intersections(alive, kMostPairs);
+  if (found) pairs = found->pairs;
+  for (auto& pair : pairs) pair = {numbers[pair[0]], numbers[pair[1]]};
+  return collapse_crossings(mesh, pairs);
 }
 
 }  // namespace cs2mesh

@@ -1,7 +1,9 @@
 // Triangles that cross others, got rid of by collapsing or flipping edges of theirs.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <span>
 
 #include "polygonize/editable_mesh.h"
 
@@ -17,5 +19,8 @@ namespace cs2mesh {
 /// Not promised: that nothing crosses afterwards, nor that the mesh is as near to the surface as it
 /// was.
 std::size_t collapse_crossings(EditableMesh& mesh);
+/// The same for these pairs of its triangles.
+std::size_t collapse_crossings(EditableMesh& mesh,
+                               std::span<const std::array<TriangleMesh::Index, 2>> pairs);
 
 }  // namespace cs2mesh

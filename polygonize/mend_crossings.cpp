@@ -1,10 +1,10 @@
 #include "polygonize/mend_crossings.h"
 
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "polygonize/collapse_crossings.h"
-#include "polygonize/self_intersection.h"
+#include "polygonize/near_intersections.h"
 #include "polygonize/surface_projection.h"
 #include "polygonize/vertex_ring.h"
 
@@ -45,39 +45,45 @@ std::vector<bool> crossing_corners(const TriangleMesh& mesh, const SelfIntersect
   return marked;
 }
 
-std::vector<Vec3d> places_of(const TriangleMesh& mesh, const SelfIntersections& found) {
-  std::vector<Vec3d> places;
+/// Boxes around what may change if the triangles of these pairs are mended.
+std::vector<Aabb> boxes_around(const TriangleMesh& mesh, const SelfIntersections& found) {
+  std::vector<Aabb> boxes;
   for (const auto& pair : found.pairs) {
-    for (const auto t : pair) places.push_back(mesh.positions[mesh.triangles[t][0]]);
+    for (const auto t : pair) {
+      const Aabb box = bounds(mesh, t);
+      boxes.push_back(box.grown(2 * box.diagonal()));
+    }
   }
-  return places;
+  return boxes;
 }
 
 }  // namespace
 
-std::vector<Vec3d> crossing_places(const TriangleMesh& mesh) {
-  const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
-  return found ? places_of(mesh, *found) : std::vector<Vec3d>{};
+Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
+  SelfIntersections found = find_self_intersections(mesh, kMostPairs).value_or(SelfIntersections{});
+  if (found.pairs.empty()) return Crossings::none;
+  return mend_crossings(surface, mesh, reach, std::move(found));
 }
 
-MendedCrossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach) {
+Crossings mend_crossings(const ImplicitSurface& surface, TriangleMesh& mesh, double reach,
+                         SelfIntersections found) {
   constexpr int kMostRounds = 8;
-  for (int round = 0;; ++round) {
-    const std::optional<SelfIntersections> found = find_self_intersections(mesh, kMostPairs);
-    if (!found || found->pairs.empty()) {
-      return {round == 0 ? Crossings::none : Crossings::mended, {}};
-    }
-    if (round == kMostRounds || found->pairs.size() == kMostPairs) {
-      return {Crossings::left, places_of(mesh, *found)};
-    }
+  for (int round = 0; round < kMostRounds && found.pairs.size() < kMostPairs; ++round) {
+    const std::vector<Aabb> boxes = boxes_around(mesh, found);
     EditableMesh editable(std::move(mesh));
-    const std::size_t collapsed = collapse_crossings(editable);
+    const std::size_t collapsed = collapse_crossings(editable, found.pairs);
     mesh = editable.take();
-    if (collapsed > 0) continue;
-    std::vector<bool> marked = crossing_corners(mesh, *found);
-    for (int ring = 0; ring < (round - 1) / 2; ++ring) marked = widened_by_ring(mesh, marked);
-    smooth(surface, mesh, marked, reach);
+    if (collapsed == 0) {
+      std::vector<bool> marked = crossing_corners(mesh, found);
+      for (int ring = 0; ring < (round - 1) / 2; ++ring) marked = widened_by_ring(mesh, marked);
+      smooth(surface, mesh, marked, reach);
+    }
+    found = find_intersections_near(mesh, boxes, kMostPairs);
+    if (!found.pairs.empty()) continue;
+    found = find_self_intersections(mesh, kMostPairs).value_or(SelfIntersections{});
+    if (found.pairs.empty()) return Crossings::mended;
   }
+  return Crossings::left;
 }
 
 }  // namespace cs2mesh

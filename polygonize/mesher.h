@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string_view>
 
@@ -16,6 +17,10 @@ struct MesherRequest {
   double tolerance = 0.0;        ///< largest distance, both ways; scene units, > 0
   double thinnest_radius = 0.0;  ///< the smallest radius of the surface's elements, > 0
   bool creased = false;          ///< whether the surface may have creases
+  /// Necks, gaps and pieces thinner than this may be lost. The default mesher, where it proves that
+  /// there are none, then cuts cells no further than this and the tolerance ask; others do not
+  /// heed it. Scene units; 0: nothing may be lost.
+  double min_feature = 0.0;
   /// Whether vertices may be off the surface, within the tolerance, where that saves triangles. Of
   /// the meshers below `adaptive` makes use of it.
   bool balance = false;
@@ -29,6 +34,9 @@ struct MesherResult {
   double error = 0.0;    ///< estimated distance, scene units
   double cell = 0.0;     ///< side of the smallest cells, scene units
   bool reached = false;  ///< error <= tolerance
+  /// With request.min_feature, cells that may hold more than one simple sheet, for all that could
+  /// be shown before they were too small to be cut; none where nothing was proven in any case.
+  std::optional<std::size_t> unresolved_cells{};
 };
 
 struct Mesher {

@@ -1,15 +1,11 @@
 #include "polygonize/part_contacts.h"
 
 #include <algorithm>
-#include <cmath>
 #include <limits>
-#include <map>
-#include <numbers>
 #include <utility>
 
 #include "libfield/base/box_tree.h"
-#include "polygonize/disjoint_sets.h"
-#include "polygonize/half_edges.h"
+#include "polygonize/mesh_components.h"
 #include "polygonize/self_intersection.h"
 
 namespace cs2mesh {
@@ -17,32 +13,12 @@ namespace {
 
 using Index = TriangleMesh::Index;
 
-Aabb box_of(const TriangleMesh& mesh, std::size_t triangle) {
-  Aabb box;
-  for (const Index v : mesh.triangles[triangle]) box.include(mesh.positions[v]);
-  return box;
-}
-
 std::vector<std::uint32_t> triangles_near(const TriangleMesh& mesh, const Aabb& box) {
   std::vector<std::uint32_t> found;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (box_of(mesh, t).overlaps(box)) found.push_back(static_cast<std::uint32_t>(t));
+    if (bounds(mesh, t).overlaps(box)) found.push_back(static_cast<std::uint32_t>(t));
   }
   return found;
-}
-
-/// Appends triangles of `mesh`, with the vertices they need.
-void append(TriangleMesh& to, const TriangleMesh& mesh, const std::vector<std::uint32_t>& chosen) {
-  std::map<Index, Index> number;
-  for (const std::uint32_t t : chosen) {
-    auto& triangle = to.triangles.emplace_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Index v = mesh.triangles[t][k];
-      const auto [place, fresh] = number.emplace(v, static_cast<Index>(to.positions.size()));
-      if (fresh) to.positions.push_back(mesh.positions[v]);
-      triangle[k] = place->second;
-    }
-  }
 }
 
 /// The pairs of triangles of two meshes that intersect; see PartContact.
@@ -52,8 +28,8 @@ std::vector<std::array<std::uint32_t, 2>> intersecting(const TriangleMesh& a,
   const std::vector<std::uint32_t> of_b = triangles_near(b, bounds(a));
   if (of_a.empty() || of_b.empty()) return {};
   TriangleMesh both;
-  append(both, a, of_a);
-  append(both, b, of_b);
+  append_triangles(both, a, of_a);
+  append_triangles(both, b, of_b);
   const auto found = find_self_intersections(both, std::numeric_limits<std::size_t>::max());
   std::vector<std::array<std::uint32_t, 2>> pairs;
   if (!found) {
@@ -66,46 +42,6 @@ std::vector<std::array<std::uint32_t, 2>> intersecting(const TriangleMesh& a,
     }
   }
   return pairs;
-}
-
-/// How often a closed mesh goes round a point, 0 or 1 for the boundary of a solid: the sum of the
-/// solid angles of its triangles (van Oosterom and Strackee 1983) over 4 pi.
-double winding_number(const TriangleMesh& mesh, const Vec3d& p) {
-  double sum = 0;
-  for (const auto& t : mesh.triangles) {
-    const Vec3d a = mesh.positions[t[0]] - p, b = mesh.positions[t[1]] - p,
-                c = mesh.positions[t[2]] - p;
-    const double la = norm(a), lb = norm(b), lc = norm(c);
-    sum += std::atan2(dot(a, cross(b, c)),
-                      la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb);
-  }
-  return sum / (2 * std::numbers::pi);
-}
-
-/// For each triangle the lowest one of its component.
-std::vector<std::uint32_t> components(const TriangleMesh& mesh) {
-  DisjointSets sets(mesh.triangles.size());
-  const std::vector<HalfEdge> opposite = opposite_half_edges(mesh);
-  for (HalfEdge h = 0; h < opposite.size(); ++h) {
-    if (h < opposite[h]) {
-      sets.join(static_cast<std::uint32_t>(triangle_of(h)),
-                static_cast<std::uint32_t>(triangle_of(opposite[h])));
-    }
-  }
-  std::vector<std::uint32_t> root(mesh.triangles.size());
-  for (std::uint32_t t = 0; t < root.size(); ++t) root[t] = sets.root(t);
-  return root;
-}
-
-/// Keeps the triangles that are marked, and their vertices.
-void keep(TriangleMesh& mesh, const std::vector<char>& kept) {
-  std::vector<std::uint32_t> chosen;
-  for (std::size_t t = 0; t < kept.size(); ++t) {
-    if (kept[t] != 0) chosen.push_back(static_cast<std::uint32_t>(t));
-  }
-  TriangleMesh rest;
-  append(rest, mesh, chosen);
-  mesh = std::move(rest);
 }
 
 }  // namespace
@@ -131,22 +67,16 @@ std::vector<PartContact> find_contacts(const Model& model) {
 bool remove_components_inside(TriangleMesh& mesh, const TriangleMesh& solid) {
   const Aabb reach = bounds(solid);
   if (!reach.overlaps(bounds(mesh))) return false;
-  const std::vector<std::uint32_t> root = components(mesh);
-  std::map<std::uint32_t, Aabb> boxes;
-  for (std::size_t t = 0; t < root.size(); ++t) boxes[root[t]].include(box_of(mesh, t));
-  std::map<std::uint32_t, bool> inside;
-  for (const auto& [first, box] : boxes) {
-    inside[first] = reach.contains(box) &&
-                    winding_number(solid, mesh.positions[mesh.triangles[first][0]]) > 0.5;
-  }
-  std::vector<char> kept(root.size());
+  std::vector<char> kept(mesh.triangles.size(), 1);
   bool all = true;
-  for (std::size_t t = 0; t < root.size(); ++t) {
-    kept[t] = inside[root[t]] ? 0 : 1;
-    all = all && kept[t] != 0;
+  for (const MeshComponent& component : components(mesh)) {
+    const Vec3d& corner = mesh.positions[mesh.triangles[component.triangles.front()][0]];
+    if (!reach.contains(component.box) || winding_number(solid, corner) < 0.5) continue;
+    for (const Index t : component.triangles) kept[t] = 0;
+    all = false;
   }
   if (all) return false;
-  keep(mesh, kept);
+  keep_triangles(mesh, kept);
   return true;
 }
 

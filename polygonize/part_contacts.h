@@ -22,9 +22,9 @@ struct PartContact {
 /// looked at any closer. Exact. O(n log n) for the triangles in overlaps of boxes of parts.
 std::vector<PartContact> find_contacts(const Model& model);
 
-/// Removes from `mesh` the components (connected through edges) that lie inside of the solid that
-/// `solid` bounds; returns whether there were any. Both are closed and do not meet. By the winding
-/// number about a vertex of each component whose box is inside that of `solid`: O(n) each.
+/// Removes from `mesh` the components (connected through vertices) that lie inside of the solid
+/// that `solid` bounds; returns whether there were any. Both are closed and do not meet. By the
+/// winding number about a vertex of each component whose box is inside that of `solid`: O(n) each.
 bool remove_components_inside(TriangleMesh& mesh, const TriangleMesh& solid);
 
 }  // namespace cs2mesh

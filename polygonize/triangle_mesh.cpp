@@ -33,6 +33,12 @@ Aabb bounds(const TriangleMesh& mesh) {
   return box;
 }
 
+Aabb bounds(const TriangleMesh& mesh, std::size_t triangle) {
+  Aabb box;
+  for (const TriangleMesh::Index v : mesh.triangles[triangle]) box.include(mesh.positions[v]);
+  return box;
+}
+
 Vec3d area_vector(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   const Vec3d& origin = mesh.positions[a];

@@ -54,6 +54,7 @@ struct Model {
 TriangleMesh joined(const Model& model);
 
 Aabb bounds(const TriangleMesh& mesh);
+Aabb bounds(const TriangleMesh& mesh, std::size_t triangle);
 /// Half the cross product of two edges: the normal times the area.
 Vec3d area_vector(const TriangleMesh& mesh, std::size_t triangle);
 double area(const TriangleMesh& mesh);

@@ -35,6 +35,8 @@ void gauss(SceneBuilder& builder, Arguments& args);
 void line(SceneBuilder& builder, Arguments& args);
 void pipe(SceneBuilder& builder, Arguments& args);
 void plane(SceneBuilder& builder, Arguments& args);
+void polygon(SceneBuilder& builder, Arguments& args);
+void quadric(SceneBuilder& builder, Arguments& args);
 void sphere(SceneBuilder& builder, Arguments& args);
 void torus(SceneBuilder& builder, Arguments& args);
 void triangle(SceneBuilder& builder, Arguments& args);

@@ -36,24 +36,29 @@ void point(SceneBuilder& builder, Arguments& args, ElementKind kind) {
   builder.add(args, kind, Point{position}, material);
 }
 
-/// Two opposite corners, sorted.
-void add_box(SceneBuilder& builder, Arguments& args, const Vec3d& one, const Vec3d& other,
-             int material) {
-  builder.add(args, ElementKind::box, Segment{min(one, other), max(one, other)}, material);
+/// Two opposite corners, sorted; fails where they are not.
+Aabb read_box(Arguments& args) {
+  const Vec3d one = args.triple("a corner, x y z");
+  const SourceLocation where = args.here();
+  const Vec3d other = args.triple("the opposite corner, x y z");
+  const Aabb box{min(one, other), max(one, other)};
+  const Vec3d extent = box.extent();
+  if (!args.failed() && !(std::min({extent.x, extent.y, extent.z}) > 0)) {
+    args.fail(where, "a box without volume, expected a corner that differs in x, y and z");
+  }
+  return box;
+}
+
+Vec3d read_coefficients(Arguments& args, std::string_view names) {
+  return args.triple("the coefficients of " + std::string(names));
 }
 
 }  // namespace
 
 void box(SceneBuilder& builder, Arguments& args) {
   const int material = builder.read_material(args);
-  const Vec3d one = args.triple("a corner, x y z");
-  const SourceLocation where = args.here();
-  const Vec3d other = args.triple("the opposite corner, x y z");
-  const Vec3d extent = max(one, other) - min(one, other);
-  if (!args.failed() && !(std::min({extent.x, extent.y, extent.z}) > 0)) {
-    args.fail(where, "a box without volume, expected a corner that differs in x, y and z");
-  }
-  add_box(builder, args, one, other, material);
+  const Aabb box = read_box(args);
+  builder.add(args, ElementKind::box, Segment{box.min, box.max}, material);
 }
 
 void brick(SceneBuilder& builder, Arguments& args) {
@@ -62,7 +67,7 @@ void brick(SceneBuilder& builder, Arguments& args) {
   const double y = args.positive("the side along y");
   const double z = args.positive("the side along z");
   const Vec3d half{0.5 * x, 0.5 * y, 0.5 * z};
-  add_box(builder, args, -half, half, material);
+  builder.add(args, ElementKind::box, Segment{-half, half}, material);
 }
 
 void cone(SceneBuilder& builder, Arguments& args) {
@@ -119,6 +124,46 @@ void triangle(SceneBuilder& builder, Arguments& args) {
   Triangle triangle;
   for (Vec3d& vertex : triangle.vertex) vertex = args.triple("a vertex, x y z");
   builder.add(args, ElementKind::triangle, triangle, material);
+}
+
+void polygon(SceneBuilder& builder, Arguments& args) {
+  constexpr std::size_t kMostVertices = 128;
+  const int material = builder.read_material(args);
+  std::vector<Vec3d> vertices;
+  std::vector<SourceLocation> places;
+  while (args.more() || (!args.failed() && vertices.size() < 3)) {
+    places.push_back(args.here());
+    vertices.push_back(args.triple("a vertex, x y z"));
+    if (vertices.size() > kMostVertices) {
+      args.fail(places.back(),
+                "too many vertices, expected at most " + std::to_string(kMostVertices));
+    }
+  }
+  if (args.failed()) return;
+  auto made = make_polygon(std::move(vertices));
+  if (const auto* fault = std::get_if<PolygonFault>(&made)) {
+    args.fail(places[fault->vertex], std::string(fault->what) +
+                                         ", expected a flat polygon whose edges meet at their"
+                                         " common ends alone");
+    return;
+  }
+  builder.add_polygon(args, std::get<Polygon>(std::move(made)), material);
+}
+
+void quadric(SceneBuilder& builder, Arguments& args) {
+  const int material = builder.read_material(args);
+  const SourceLocation where = args.here();
+  const Vec3d squares = read_coefficients(args, "xx, yy and zz");
+  const Vec3d products = 0.5 * read_coefficients(args, "xy, xz and yz");
+  Quadric quadric;
+  quadric.square = {squares.x, squares.y, squares.z, products.x, products.y, products.z};
+  quadric.linear = read_coefficients(args, "x, y and z");
+  quadric.constant = args.number("the constant");
+  if (args.take_if("bounds", 3)) quadric.bounds = read_box(args);
+  if (!args.failed() && quadric.square == Symmetric3{} && quadric.linear == Vec3d{}) {
+    args.fail(where, "all coefficients are 0, expected one of x, y or z, or of a product of them");
+  }
+  builder.add_quadric(args, quadric, material);
 }
 
 void plane(SceneBuilder& builder, Arguments& args) {

@@ -54,6 +54,7 @@ class Printer {
   void print_element(const Element& element);
   void print_curve(const Element& element);
   void print_taper(const SegmentWeight& weight);
+  void print_quadric(const Quadric& quadric);
   void print_transform(const Affine& map, const std::string& indent);
   void print_level(int object);
   std::string indent() const { return std::string(2 * static_cast<std::size_t>(depth_), ' '); }
@@ -195,6 +196,13 @@ void Printer::print_taper(const SegmentWeight& weight) {
   if (weight != linear_weight(weight.b0, weight.b2)) *this << " " << middle_value(weight);
 }
 
+void Printer::print_quadric(const Quadric& q) {
+  const Symmetric3& s = q.square;
+  *this << Vec3d{s.xx, s.yy, s.zz} << ", " << 2.0 * Vec3d{s.xy, s.xz, s.yz} << ", " << q.linear
+        << ", " << q.constant;
+  if (q.bounds) *this << " bounds " << q.bounds->min << ", " << q.bounds->max;
+}
+
 void Printer::print_element(const Element& element) {
   const std::string_view command = element.spelling == Spelling::pipe    ? "pipe"
                                    : element.spelling == Spelling::torus ? "torus"
@@ -224,6 +232,14 @@ void Printer::print_element(const Element& element) {
     case ElementKind::box:
       *this << std::get<Segment>(element.skeleton).a << ", "
             << std::get<Segment>(element.skeleton).b;
+      break;
+    case ElementKind::polygon:
+      for (const Vec3d& vertex : scene_.polygons[static_cast<std::size_t>(element.shape)].vertex) {
+        *this << vertex << ", ";
+      }
+      break;
+    case ElementKind::quadric:
+      print_quadric(scene_.quadrics[static_cast<std::size_t>(element.shape)]);
       break;
     case ElementKind::triangle:
       for (const Vec3d& vertex : std::get<Triangle>(element.skeleton).vertex) {

@@ -91,6 +91,21 @@ Element* SceneBuilder::add(Arguments& args, ElementKind kind, const Primitive& s
   return &scene_.elements.back();
 }
 
+void SceneBuilder::add_polygon(Arguments& args, Polygon polygon, int material) {
+  const Triangle corner{{polygon.vertex[0], polygon.vertex[1], polygon.vertex.back()}};
+  Element* element = add(args, ElementKind::polygon, corner, material);
+  if (element == nullptr) return;
+  element->shape = static_cast<int>(scene_.polygons.size());
+  scene_.polygons.push_back(std::move(polygon));
+}
+
+void SceneBuilder::add_quadric(Arguments& args, const Quadric& quadric, int material) {
+  Element* element = add(args, ElementKind::quadric, Point{}, material);
+  if (element == nullptr) return;
+  element->shape = static_cast<int>(scene_.quadrics.size());
+  scene_.quadrics.push_back(quadric);
+}
+
 void SceneBuilder::open_object(Arguments& args, std::string_view name, int chain_material) {
   const SourceLocation where = args.opcode_location();
   if (!has_room(args, 0, 1)) return;
@@ -248,6 +263,8 @@ void SceneBuilder::remove(Arguments& args, int object) {
 void SceneBuilder::clear_model() {
   scene_.elements.clear();
   scene_.objects.clear();
+  scene_.polygons.clear();
+  scene_.quadrics.clear();
   extents_.clear();
   object_names_.clear();
   last_ = Target::nothing;

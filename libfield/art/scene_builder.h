@@ -44,6 +44,10 @@ class SceneBuilder {
                std::optional<double> own_radius = std::nullopt, Spelling spelling = Spelling::plain,
                std::optional<SegmentWeight> taper = std::nullopt);
 
+  /// As add(), for the shapes that the scene keeps in lists of their own.
+  void add_polygon(Arguments& args, Polygon polygon, int material);
+  void add_quadric(Arguments& args, const Quadric& quadric, int material);
+
   /// Opens an object; a chain if it has a material.
   void open_object(Arguments& args, std::string_view name, int chain_material = -1);
   /// Closes the innermost; false if none is open.

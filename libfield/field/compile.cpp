@@ -55,6 +55,7 @@ struct Group {
   SourceLocation where;
   double thinnest = 0.0;
   bool creased = false;
+  std::size_t elements = 0;
 };
 
 class Compiler {
@@ -85,9 +86,8 @@ class Compiler {
   }
 
   void add_soft(const Element& element) {
-    Result<MadeTerm> made = make_term(scene_, element);
-    if (!keep_remarks(made)) return;
-    if (!made->term) return;
+    Result<MadeTerms> made = make_terms(scene_, element);
+    if (!keep_remarks(made) || made->terms.empty()) return;
     const std::string& name = group_names_.of(element);
     const auto [place, is_new] = groups_.try_emplace(name);
     Group& group = place->second;
@@ -97,11 +97,14 @@ class Compiler {
       group.thinnest = made->radius;
     }
     if (made->radius > 0) group.thinnest = std::min(group.thinnest, made->radius);
-    include(skeleton_box(*made->term), made->radius, element.where);
-    for (const StrengthProfile& profile : made->term->profiles) {
-      group.creased = group.creased || has_corners(profile);
+    ++group.elements;
+    for (Term& term : made->terms) {
+      include(skeleton_box(term), made->radius, element.where);
+      for (const StrengthProfile& profile : term.profiles) {
+        group.creased = group.creased || has_corners(profile);
+      }
+      group.terms.push_back(std::move(term));
     }
-    group.terms.push_back(std::move(*made->term));
   }
 
   void add_hard(const Element& element) {
@@ -128,7 +131,7 @@ class Compiler {
     part.where = group.where;
     part.thinnest_radius = group.thinnest;
     part.creased = group.creased;
-    part.primitive_count = group.terms.size();
+    part.primitive_count = group.elements;
     auto field = std::make_shared<Field>(std::move(group.terms), options_.error_budget);
     part.surface = field;
     part.materials = field;

@@ -3,8 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <utility>
 
 #include "libfield/integral/isolation.h"
+#include "libfield/integral/line_field.h"
+#include "libfield/profile/cone_weight.h"
 
 namespace cs2mesh {
 namespace {
@@ -37,37 +41,72 @@ double kernel_length(KernelKind kind, double width) {
   }
 }
 
+/// What the field of an element is a sum over.
+struct Skeleton {
+  std::vector<Primitive> pieces;
+  const Polygon* polygon = nullptr;  ///< whose pieces they are, if they are
+  std::optional<ConeRadii> cone;
+};
+
+/// A primitive of no size is a point, unless the plain integral is asked for (no radius).
+Skeleton skeleton_of(const Scene& scene, const Element& element, std::optional<double> radius,
+                     bool& degenerate) {
+  if (element.kind == ElementKind::polygon) {
+    const Polygon& polygon = scene.polygons[static_cast<std::size_t>(element.shape)];
+    degenerate = radius && measure(polygon) <= 1e-12 * *radius * *radius;
+    if (degenerate) return {{Point{middle(polygon)}}, nullptr, {}};
+    return {{polygon.pieces.begin(), polygon.pieces.end()}, &polygon, {}};
+  }
+  degenerate = radius && is_degenerate(element.skeleton, *radius);
+  if (degenerate) {
+    return {{Point{std::visit([](const auto& p) { return middle(p); }, element.skeleton)}},
+            nullptr,
+            {}};
+  }
+  Skeleton skeleton{{element.skeleton}, nullptr, {}};
+  if (element.kind == ElementKind::cone && radius) skeleton.cone = cone_radii(scene, element);
+  return skeleton;
+}
+
+Isolation isolation_of(KernelKind kind, const Skeleton& skeleton, double radius, double width) {
+  if (skeleton.cone) return isolate_line_at_width(kind, radius, width);
+  if (skeleton.polygon) return isolate_at_width(kind, *skeleton.polygon, radius, width);
+  return isolate_at_width(kind, skeleton.pieces.front(), radius, width);
+}
+
 Result<KernelShape> kernel_shape(const Scene& scene, const Element& element,
-                                 const Primitive& primitive) {
+                                 const Skeleton& skeleton) {
   const Material& material = scene.materials[static_cast<std::size_t>(element.material)];
   const KernelKind kind = kernel_of(scene, element);
   const std::optional<double> radius = radius_of(scene, element);
-  const auto fail = [&](const std::string& message) {
-    return error_at(element.where, message + " in surface " + quoted(material.name));
+  const auto fail = [&](const std::string& needs) {
+    return error_at(element.where, "a soft " + std::string(name_of(element.kind)) + " needs a " +
+                                       needs + " in surface " + quoted(material.name));
   };
   if (material.width && !material.radius) {
     // The plain convolution integral: c = 1.
     const double length = kernel_length(kind, *material.width);
     return KernelShape{kind, {*material.width, 1.0, 0.0}, length};
   }
-  if (!radius) {
-    return fail("a soft " + std::string(name_of(element.kind)) +
-                " needs a radius, expected 'radius' or 'width'");
+  if (!radius) return fail("radius, expected 'radius' or 'width'");
+  if (!material.width && !material.blobbiness) {
+    return fail("blobbiness, expected 'blobbiness' or 'width'");
   }
-  if (material.width) {
-    return KernelShape{kind, isolate_at_width(kind, primitive, *radius, *material.width), *radius};
-  }
-  if (!material.blobbiness) {
-    return fail("a soft " + std::string(name_of(element.kind)) +
-                " needs a blobbiness, expected 'blobbiness' or 'width'");
-  }
-  return KernelShape{kind, isolate(kind, primitive, *radius, *material.blobbiness), *radius};
+  const double width =
+      material.width ? *material.width : kernel_width(kind, *radius, *material.blobbiness);
+  return KernelShape{kind, isolation_of(kind, skeleton, *radius, width), *radius};
 }
 
-Primitive as_point_if_degenerate(const Primitive& primitive, double radius, bool& changed) {
-  changed = is_degenerate(primitive, radius);
-  if (!changed) return primitive;
-  return Point{std::visit([](const auto& p) { return middle(p); }, primitive)};
+/// The weight along a soft cone; none where its size leaves the range of double precision, or a
+/// radius the support of the kernel.
+std::optional<StrengthProfile> weight_of(const ConeRadii& cone, const KernelShape& shape) {
+  const double unit = shape.kind == KernelKind::squared
+                          ? shape.radius
+                          : kernel_length(shape.kind, shape.isolation.width);
+  constexpr double kMostExponent = 600;  // of 709
+  const double most = std::max(cone.base, cone.apex) / unit;
+  if (!(std::abs(log_line_field(shape.kind, most)) <= kMostExponent)) return std::nullopt;
+  return cone_weight(shape.kind, cone.base / unit, cone.apex / unit);
 }
 
 int dimension(const Primitive& primitive) {
@@ -76,11 +115,12 @@ int dimension(const Primitive& primitive) {
 
 /// Folds a similarity of factor k into kernel and primitive: with q = M q', the integral over the
 /// local primitive is k^-dimension times that over the image, of a kernel k times as wide.
-void fold_similarity(Term& term, KernelShape& shape, const Affine& map, double k) {
-  const int dim = dimension(term.primitive);
-  term.primitive =
-      std::visit([&](const auto& p) -> Primitive { return transformed(p, map); }, term.primitive);
-  double power = -dim;
+void fold_similarity(std::vector<Primitive>& pieces, KernelShape& shape, const Affine& map,
+                     double k) {
+  double power = -dimension(pieces.front());
+  for (Primitive& piece : pieces) {
+    piece = std::visit([&](const auto& p) -> Primitive { return transformed(p, map); }, piece);
+  }
   switch (shape.kind) {
     case KernelKind::cauchy:
     case KernelKind::gaussian:
@@ -128,79 +168,109 @@ bool is_degenerate(const Primitive& primitive, double radius) {
   return mass <= 1e-12 * std::pow(radius, dim);
 }
 
-Result<MadeTerm> make_term(const Scene& scene, const Element& element) {
-  const Material& material = scene.materials[static_cast<std::size_t>(element.material)];
-  MadeTerm made;
-  std::vector<Diagnostic> notes;
+namespace {
+
+/// What no kernel or no taper allows.
+Result<KernelKind> usable_kernel(const Scene& scene, const Element& element) {
   const KernelKind kind = kernel_of(scene, element);
-  if (element.kind == ElementKind::cone) {
-    notes.push_back({Severity::warning, Failure::none, element.where,
-                     "a soft cone is left out, expected a surface without 'blobbiness', or a "
-                     "cylinder with 'taper'"});
-    return {std::move(made), std::move(notes)};
-  }
   if (is_singular(kind) && std::holds_alternative<Plane>(element.skeleton)) {
     return error_at(element.where,
                     "the kernel " + quoted(name_of(kind)) +
                         " diverges on a plane, expected one that falls off faster, or a triangle",
                     Failure::unmeshable);
   }
-
+  if (kind == KernelKind::inverse && element.kind == ElementKind::cone) {
+    return error_at(element.where,
+                    "the kernel 'inverse' diverges on the line of a cone, expected one that falls "
+                    "off faster",
+                    Failure::unmeshable);
+  }
   if (element.taper && kind != KernelKind::cauchy && kind != KernelKind::gaussian) {
     return error_at(element.where, "the kernel " + quoted(name_of(kind)) +
                                        " takes no taper, expected 'cauchy' or 'gaussian'");
   }
+  return kind;
+}
 
-  // A primitive of no size is a point, unless the plain integral is asked for.
-  Term term;
-  bool degenerate = false;
-  const std::optional<double> radius = radius_of(scene, element);
+/// The terms over the pieces of a skeleton, each `like` the others.
+std::vector<Term> terms_over(const std::vector<Primitive>& pieces, const Term& like,
+                             const KernelShape& shape, double strength) {
+  const double size_of_strength = std::abs(strength);
+  std::vector<Term> terms;
+  for (const Primitive& piece : pieces) {
+    Term term = like;
+    term.primitive = piece;
+    term.frame = frame_of(piece);
+    const double length =
+        shape.radius > 0 ? shape.radius : std::visit([](const auto& p) { return size(p); }, piece);
+    term.kernel =
+        make_kernel(shape.kind, shape.isolation.width, shape.isolation.strength * size_of_strength,
+                    shape.isolation.log_strength + std::log(size_of_strength), 1e-6 * length);
+    term.sign = strength < 0 ? -1.0 : 1.0;
+    terms.push_back(std::move(term));
+  }
+  return terms;
+}
+
+}  // namespace
+
+Result<MadeTerms> make_terms(const Scene& scene, const Element& element) {
+  const Material& material = scene.materials[static_cast<std::size_t>(element.material)];
+  MadeTerms made;
+  std::vector<Diagnostic> notes;
+  const Result<KernelKind> kind = usable_kernel(scene, element);
+  if (!kind) return Result<MadeTerms>::failure(kind.diagnostics());
+
   const bool plain = material.width && !material.radius;
-  term.primitive = plain || !radius ? element.skeleton
-                                    : as_point_if_degenerate(element.skeleton, *radius, degenerate);
+  bool degenerate = false;
+  Skeleton skeleton =
+      skeleton_of(scene, element, plain ? std::nullopt : radius_of(scene, element), degenerate);
   if (degenerate) {
     notes.push_back({Severity::note, Failure::none, element.where,
                      std::string(name_of(element.kind)) + " of no size counts as a point"});
   }
 
-  Result<KernelShape> found = kernel_shape(scene, element, term.primitive);
-  if (!found) return Result<MadeTerm>::failure(found.diagnostics());
+  Result<KernelShape> found = kernel_shape(scene, element, skeleton);
+  if (!found) return Result<MadeTerms>::failure(found.diagnostics());
   KernelShape shape = *found;
   made.radius = shape.radius;
+  Term term;
+  term.profiles = material.profiles;
+  term.material = element.material;
+  if (skeleton.polygon) term.chart = std::get<Triangle>(element.skeleton);
+  if (skeleton.cone) {
+    const std::optional<StrengthProfile> weight = weight_of(*skeleton.cone, shape);
+    if (!weight) {
+      return error_at(element.where,
+                      "the cone is too stiff, or reaches beyond the support of its kernel, expected"
+                      " a blobbiness nearer to 0 or another 'width' in surface " +
+                          quoted(material.name));
+    }
+    term.profiles.push_back(*weight);
+  }
   double strength = material.strength;
   if (element.taper && degenerate) {
     strength *= mean(*element.taper);
   } else if (element.taper) {
     const FoldedTaper taper = folded(*element.taper, strength);
-    term.primitive = TaperedSegment{std::get<Segment>(term.primitive), taper.weight};
+    Primitive& piece = skeleton.pieces.front();
+    piece = TaperedSegment{std::get<Segment>(piece), taper.weight};
     strength = taper.strength;
   }
   if (strength == 0) return {made, notes};
 
-  // Similarities are folded in, other maps are applied to each point; so are those under a profile,
-  // whose coordinates turn with the element.
+  // Similarities are folded in, other maps are applied to each point; so are those under a profile
+  // of the material, whose coordinates turn with the element.
   const Affine map = world_transform(scene, element);
   const double k = similarity_factor(map.linear);
   if (k > 0 && (material.profiles.empty() || map.is_identity())) {
-    fold_similarity(term, shape, map, k);
+    fold_similarity(skeleton.pieces, shape, map, k);
     made.radius = shape.radius;
   } else {
     term.to_local = inverse(map);
     made.radius /= stretch_bound(term.to_local->linear);
   }
-
-  const double size_of_strength = std::abs(strength);
-  const double clamp =
-      1e-6 * (shape.radius > 0 ? shape.radius
-                               : std::visit([](const auto& p) { return size(p); }, term.primitive));
-  term.kernel =
-      make_kernel(shape.kind, shape.isolation.width, shape.isolation.strength * size_of_strength,
-                  shape.isolation.log_strength + std::log(size_of_strength), clamp);
-  term.frame = frame_of(term.primitive);
-  term.sign = strength < 0 ? -1.0 : 1.0;
-  term.profiles = material.profiles;
-  term.material = element.material;
-  made.term = std::move(term);
+  made.terms = terms_over(skeleton.pieces, term, shape, strength);
   return {std::move(made), notes};
 }
 

@@ -5,9 +5,10 @@
 #include <cmath>
 #include <limits>
 
+#include "libfield/base/image_box.h"
 #include "libfield/field/term_visit.h"
 #include "libfield/integral/bound.h"
-#include "libfield/profile/along.h"
+#include "libfield/profile/cone_weight.h"
 
 namespace cs2mesh {
 namespace {
@@ -35,7 +36,8 @@ double product(double weight, double field) {
 /// Whether u along the primitive is all that the profile needs.
 template <class P>
 bool along_alone(const StrengthProfile& profile) {
-  return kHasBulkWeights<typename FrameTypeOf<P>::type> && profile.along_v == ProfileFunction::one;
+  return kHasBulkWeights<typename FrameTypeOf<P>::type> &&
+         profile.along_v == ProfileFunction::one && !is_of_cones(profile.along_u);
 }
 
 /// The weight at a point, with its gradient.
@@ -47,7 +49,7 @@ Jet weight_at(const Term& term, const P& primitive, const StrengthProfile& profi
       return weight<double>(profile, std::get<typename FrameTypeOf<P>::type>(term.frame), local);
     }
   }
-  const Uv at = uv(primitive, local);
+  const Uv at = uv(chart_of(term, primitive), local);
   const ProfileValue value = evaluate(profile, at.u, at.v);
   return {value.w, value.du * at.grad_u + value.dv * at.grad_v};
 }
@@ -162,10 +164,7 @@ Aabb skeleton_box(const Term& term) {
   const Aabb local =
       std::visit([](const auto& primitive) { return bounds(primitive); }, term.primitive);
   if (!term.to_local || !local.finite()) return local;
-  const Affine to_world = inverse(*term.to_local);
-  Aabb box;
-  for (int corner = 0; corner < 8; ++corner) box.include(to_world(local.corner(corner)));
-  return box;
+  return image_box(local, inverse(*term.to_local));
 }
 
 }  // namespace cs2mesh

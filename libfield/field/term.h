@@ -32,8 +32,19 @@ struct Term {
   std::optional<Affine> to_local;
   double sign = 1.0;  ///< +1 or -1
   std::vector<StrengthProfile> profiles;
+  /// Where the primitive is a piece of a polygon: the triangle whose u and v the profiles take.
+  std::optional<Triangle> chart;
   int material = 0;
 };
+
+/// The primitive whose u and v the profiles take.
+template <class P>
+const P& chart_of(const Term& /*term*/, const P& primitive) {
+  return primitive;
+}
+inline const Triangle& chart_of(const Term& term, const Triangle& piece) {
+  return term.chart ? *term.chart : piece;
+}
 
 /// Adds f and its gradient at each point to `sums`.
 void accumulate(const Term& term, std::span<const Vec3d> points, std::span<Jet> sums);

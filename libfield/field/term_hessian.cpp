@@ -28,7 +28,7 @@ Symmetric3 local_hessian(const Term& term, const K& kernel, const P& primitive,
   const Jet jet = integral_of(term, kernel, primitive, local);
   Jet2 field{jet.value, jet.gradient, hessian(kernel, primitive, local)};
   for (const StrengthProfile& profile : term.profiles) {
-    field = weight_at(profile, primitive, local) * field;
+    field = weight_at(profile, chart_of(term, primitive), local) * field;
   }
   return field.hessian;
 }

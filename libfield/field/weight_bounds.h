@@ -15,7 +15,7 @@ namespace cs2mesh {
 
 template <class P>
 Interval weight_range(const Term& term, const P& primitive, const Aabb& local) {
-  const auto [u, v] = enclose_uv(primitive, local);
+  const auto [u, v] = enclose_uv(chart_of(term, primitive), local);
   return enclose(term.profiles, u, v);
 }
 
@@ -44,8 +44,8 @@ struct WeightBound {
 
 template <class P>
 WeightBound weight_bound(const Term& term, const P& primitive, const LocalBox& local) {
-  const auto [u, v] = enclose_uv(primitive, local.box);
-  const UvGradientBound slopes = enclose_uv_gradient(primitive, local.box);
+  const auto [u, v] = enclose_uv(chart_of(term, primitive), local.box);
+  const UvGradientBound slopes = enclose_uv_gradient(chart_of(term, primitive), local.box);
   WeightBound b;
   b.w = enclose(term.profiles, u, v);
   const bool jump = std::any_of(term.profiles.begin(), term.profiles.end(),

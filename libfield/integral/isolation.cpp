@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "libfield/integral/integral.h"
+#include "libfield/integral/line_field.h"
 
 namespace cs2mesh {
 
@@ -80,11 +81,26 @@ Isolated<Segment> isolated(const TaperedSegment& segment, double radius) {
 
 }  // namespace
 
+namespace {
+
+/// A Gaussian's unit field underflows where e^(a^2 R^2) times it is of the size of the primitive:
+/// fields are taken times e^lift.
+double lift_of(KernelKind kind, double radius, double width) {
+  return kind == KernelKind::gaussian ? width * radius * (width * radius) : 0.0;
+}
+
+Isolation isolation_of(KernelKind kind, double width, double lift, double field) {
+  const bool has_width = kind != KernelKind::inverse && kind != KernelKind::squared;
+  const double log_strength = lift - std::log(field);
+  const double strength = kind == KernelKind::gaussian ? std::exp(log_strength) : 1.0 / field;
+  return {has_width ? width : 0.0, strength, log_strength};
+}
+
+}  // namespace
+
 Isolation isolate_at_width(KernelKind kind, const Primitive& primitive, double radius,
                            double width) {
-  const bool has_width = kind != KernelKind::inverse && kind != KernelKind::squared;
-  // A Gaussian's unit field underflows where e^(a^2 R^2) times it is of the size of the primitive.
-  const double lift = kind == KernelKind::gaussian ? width * radius * (width * radius) : 0.0;
+  const double lift = lift_of(kind, radius, width);
   const Kernel kernel = make_kernel(kind, width, 1.0, lift, 0.0);
   const double field = std::visit(
       [&](const auto& k, const auto& p) {
@@ -98,9 +114,29 @@ Isolation isolate_at_width(KernelKind kind, const Primitive& primitive, double r
         }
       },
       kernel, primitive);
-  const double log_strength = lift - std::log(field);
-  const double strength = kind == KernelKind::gaussian ? std::exp(log_strength) : 1.0 / field;
-  return {has_width ? width : 0.0, strength, log_strength};
+  return isolation_of(kind, width, lift, field);
+}
+
+Isolation isolate_at_width(KernelKind kind, const Polygon& polygon, double radius, double width) {
+  const double lift = lift_of(kind, radius, width);
+  const Kernel kernel = make_kernel(kind, width, 1.0, lift, 0.0);
+  const Affine to_origin = Affine::translate(-middle(polygon));
+  double field = 0;
+  for (const Triangle& piece : polygon.pieces) {
+    const Triangle moved = transformed(piece, to_origin);
+    field += std::visit(
+        [&](const auto& k) { return integral(k, moved, radius * polygon.normal).value; }, kernel);
+  }
+  return isolation_of(kind, width, lift, field);
+}
+
+Isolation isolate_line_at_width(KernelKind kind, double radius, double width) {
+  if (kind == KernelKind::squared)
+    return isolation_of(kind, width, 0.0, line_field(kind, radius).value);
+  const bool inverse_length = kind == KernelKind::cauchy || kind == KernelKind::gaussian;
+  const double unit = inverse_length ? 1 / width : width;
+  const double log_strength = -std::log(unit) - log_line_field(kind, radius / unit);
+  return {width, std::exp(log_strength), log_strength};
 }
 
 Isolation isolate(KernelKind kind, const Primitive& primitive, double radius, double blobbiness) {

@@ -10,11 +10,12 @@
 //     the inverse kernels have no width: B does not matter to them.
 // Strength S = 1 / f at the characteristic point, f the field of unit amplitude. That point is at R
 // beside the middle of a segment (of weight 1, if it has one along it), at R above the middle of an
-// arc or the centroid of a triangle, anywhere at R from a point or plane. S reaches e^1000, so its
-// logarithm is what counts.
+// arc or the centroid of a triangle or polygon, anywhere at R from a point or plane. S reaches
+// e^1000, so its logarithm is what counts.
 #pragma once
 
 #include "libfield/kernel/kind.h"
+#include "libfield/primitive/polygon.h"
 #include "libfield/primitive/primitive.h"
 
 namespace cs2mesh {
@@ -37,5 +38,13 @@ Isolation isolate(KernelKind kind, const Primitive& primitive, double radius, do
 /// characteristic point is outside the support.
 Isolation isolate_at_width(KernelKind kind, const Primitive& primitive, double radius,
                            double width);
+
+/// Of a polygon, whose pieces share one strength: the characteristic point is R above the centroid
+/// of the whole.
+Isolation isolate_at_width(KernelKind kind, const Polygon& polygon, double radius, double width);
+
+/// The strength for which an infinite line has its surface at the distance `radius`. Infinite where
+/// that is outside of the support; an inverse kernel has none (ContractViolation).
+Isolation isolate_line_at_width(KernelKind kind, double radius, double width);
 
 }  // namespace cs2mesh

@@ -20,7 +20,8 @@ struct Derived {
   T value, slope;
 };
 
-/// F(x); where F has a corner or a jump, the derivative of one side.
+/// F(x); where F has a corner or a jump, the derivative of one side. Not for the functions of
+/// cones: any_function() of cone_weight.h knows those too, over one number.
 template <class T>
 Derived<T> profile_function(ProfileFunction function, const T& x) {
   using std::abs;
@@ -54,6 +55,8 @@ Derived<T> profile_function(ProfileFunction function, const T& x) {
       const auto at = vmath::sin_cos_pi(x);
       return {at.cosine * at.cosine, T(-2.0 * kPi) * at.sine * at.cosine};
     }
+    default:
+      break;
   }
   return {T(1), T(0)};
 }

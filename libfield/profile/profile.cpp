@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "libfield/profile/along.h"
+#include "libfield/profile/cone_weight.h"
 
 namespace cs2mesh {
 
@@ -15,6 +15,9 @@ std::optional<ProfileFunction> profile_function_of(std::string_view name) {
 }
 
 namespace {
+
+// Of the functions of cones, relative: the closed forms lose digits near the edge of a support.
+constexpr double kConeRounding = 1e-11;
 
 // Whether some offset + k * period, k an integer, lies in x, or within rounding of it.
 bool meets(const Interval& x, double offset, double period) {
@@ -34,15 +37,15 @@ Interval range_of(ProfileFunction function) {
     case ProfileFunction::cos:
       return {-1.0, 1.0};
     default:
-      return {0.0, 1.0};
+      return is_of_cones(function) ? Interval(0.0, std::numeric_limits<double>::infinity())
+                                   : Interval(0.0, 1.0);
   }
 }
 
 // The hull of the values at the ends and of those the function takes or approaches between.
 Interval enclose(ProfileFunction function, const Interval& x) {
   if (!std::isfinite(x.lo) || !std::isfinite(x.hi)) return range_of(function);
-  Interval range =
-      hull(profile_function(function, x.lo).value, profile_function(function, x.hi).value);
+  Interval range = hull(any_function(function, x.lo).value, any_function(function, x.hi).value);
   const auto include_at = [&](double offset, double period, double value) {
     if (meets(x, offset, period)) range = hull(range, value);
   };
@@ -73,6 +76,9 @@ Interval enclose(ProfileFunction function, const Interval& x) {
       include_at(0.0, 2.0, 1.0);
       include_at(1.0, 2.0, -1.0);
       break;
+    default:
+      if (x.contains(0.0)) range = hull(range, any_function(function, 0.0).value);
+      return widened(range, kConeRounding * range.magnitude());
   }
   return widened(range, 1e-14 * (1.0 + x.magnitude()));
 }
@@ -80,8 +86,8 @@ Interval enclose(ProfileFunction function, const Interval& x) {
 }  // namespace
 
 ProfileValue evaluate(const StrengthProfile& profile, double u, double v) {
-  const auto fu = profile_function(profile.along_u, profile.scale_u * u + profile.translate_u);
-  const auto fv = profile_function(profile.along_v, profile.scale_v * v + profile.translate_v);
+  const auto fu = any_function(profile.along_u, profile.scale_u * u + profile.translate_u);
+  const auto fv = any_function(profile.along_v, profile.scale_v * v + profile.translate_v);
   const double w = profile.times * fu.value * fv.value;
   if (w < profile.lower) return {profile.lower, 0.0, 0.0};
   if (w > profile.upper) return {profile.upper, 0.0, 0.0};

@@ -12,8 +12,24 @@
 
 namespace cs2mesh {
 
-/// The functions of a texture's `Fu Fv` method, in the order of kProfileNames.
-enum class ProfileFunction { one, x, saw, hat, step, sin, cos, sin_squared, cos_squared };
+/// The functions of a texture's `Fu Fv` method, in the order of kProfileNames; then those along
+/// soft cones, which have no names (cone_weight.h).
+enum class ProfileFunction {
+  one,
+  x,
+  saw,
+  hat,
+  step,
+  sin,
+  cos,
+  sin_squared,
+  cos_squared,
+  cone_cauchy,
+  cone_gaussian,
+  cone_metaball,
+  cone_soft,
+  cone_quartic
+};
 
 inline constexpr std::array<std::string_view, 9> kProfileNames = {
     "one", "x", "saw", "hat", "step", "sin", "cos", "sin^2", "cos^2"};

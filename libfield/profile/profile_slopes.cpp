@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "libfield/profile/cone_weight.h"
+
 namespace cs2mesh {
 namespace {
 
@@ -24,6 +26,16 @@ Interval enclose_cos(double lo, double hi) {
 /// Whether an integer lies in [lo, hi].
 bool holds_integer(double lo, double hi) {
   return std::floor(hi) >= lo;
+}
+
+/// The functions of cones are convex: their slopes are between those at the ends. The kernels but
+/// Cauchy's are logarithmically concave over the plane, and with them their integral along a line
+/// (Prekopa 1973), so that 1 / I is logarithmically convex; Cauchy's is (1 + x^2)^(3/2).
+Interval convex_slope(ProfileFunction function, const Interval& x) {
+  if (!std::isfinite(x.lo) || !std::isfinite(x.hi)) return Interval::everything();
+  const Interval range =
+      hull(cone_function(function, x.lo).slope, cone_function(function, x.hi).slope);
+  return widened(range, 1e-11 * range.magnitude());
 }
 
 /// Contains F' over x.
@@ -48,8 +60,9 @@ Interval slope(ProfileFunction function, const Interval& x) {
       return Interval(kPi) * enclose_cos(kPi * (2 * x.lo - 0.5), kPi * (2 * x.hi - 0.5));
     case ProfileFunction::cos_squared:
       return Interval(kPi) * enclose_cos(kPi * (2 * x.lo + 0.5), kPi * (2 * x.hi + 0.5));
+    default:
+      return convex_slope(function, x);
   }
-  return Interval::everything();
 }
 
 /// Contains F over x, by way of the profile that is F alone.

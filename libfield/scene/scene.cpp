@@ -1,11 +1,13 @@
 #include "libfield/scene/scene.h"
 
+#include <algorithm>
+
 namespace cs2mesh {
 
 std::string_view name_of(ElementKind kind) {
-  constexpr std::array<std::string_view, 11> kNames = {"sphere", "cylinder", "arc",   "arch",
-                                                       "line",   "dot",      "gauss", "triangle",
-                                                       "plane",  "cone",     "box"};
+  constexpr std::array<std::string_view, 13> kNames = {
+      "sphere",   "cylinder", "arc",  "arch", "line",    "dot",    "gauss",
+      "triangle", "plane",    "cone", "box",  "polygon", "quadric"};
   return kNames[static_cast<std::size_t>(kind)];
 }
 
@@ -24,6 +26,7 @@ bool is_soft(const Scene& scene, const Element& element) {
     case ElementKind::line:
       return true;
     case ElementKind::box:
+    case ElementKind::quadric:
       return false;
     default:
       break;
@@ -49,10 +52,21 @@ std::optional<double> radius_of(const Scene& scene, const Element& element) {
     case ElementKind::arch:
       fragile = scene.fragile.arch;
       break;
+    case ElementKind::cone:
+      fragile = scene.fragile.cone;
+      break;
     default:
       break;
   }
-  return fragile && material.radius ? material.radius : element.own_radius;
+  if (fragile && material.radius) return material.radius;
+  return std::max(*element.own_radius, element.apex_radius);
+}
+
+ConeRadii cone_radii(const Scene& scene, const Element& element) {
+  const double base = element.own_radius.value_or(0.0);
+  const double scale =
+      radius_of(scene, element).value_or(0.0) / std::max(base, element.apex_radius);
+  return {scale * base, scale * element.apex_radius};
 }
 
 KernelKind kernel_of(const Scene& scene, const Element& element) {

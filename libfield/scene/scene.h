@@ -10,7 +10,9 @@
 #include "libfield/base/affine.h"
 #include "libfield/base/diagnostics.h"
 #include "libfield/kernel/kind.h"
+#include "libfield/primitive/polygon.h"
 #include "libfield/primitive/primitive.h"
+#include "libfield/primitive/quadric.h"
 #include "libfield/profile/profile.h"
 
 namespace cs2mesh {
@@ -51,7 +53,9 @@ enum class ElementKind {
   triangle,
   plane,
   cone,
-  box
+  box,
+  polygon,
+  quadric
 };
 
 /// The word of the language for it.
@@ -65,7 +69,10 @@ enum class Spelling { plain, pipe, torus };
 struct Element {
   ElementKind kind = ElementKind::sphere;
   Spelling spelling = Spelling::plain;
-  Primitive skeleton;  ///< of a cone its axis, of a box the diagonal from the least corner
+  /// Of a cone its axis, of a box the diagonal from the least corner, of a polygon the triangle of
+  /// its first, second and last vertex; nothing of a quadric.
+  Primitive skeleton;
+  int shape = -1;                    ///< index into Scene::polygons or Scene::quadrics
   std::optional<double> own_radius;  ///< > 0; sphere, cylinder, arc, arch have one, cones may be 0
   double apex_radius = 0.0;          ///< of a cone, >= 0; own_radius is that at its base
   /// The weight along a segment of a line or cylinder, inside the convolution integral.
@@ -121,6 +128,8 @@ struct Scene {
   std::vector<Material> materials;
   std::vector<Element> elements;
   std::vector<Object> objects;
+  std::vector<Polygon> polygons;
+  std::vector<Quadric> quadrics;
   Camera camera;
   std::vector<Light> lights;
   Color background{0, 0, 0};
@@ -133,12 +142,20 @@ struct Scene {
 Affine world_transform(const Scene& scene, const Element& element);
 
 /// Whether the element contributes to a soft field (art-language 2): always for dot, gauss, line;
-/// never for box; for the others when its material has a blobbiness or a width. Scene::soft is not
-/// looked at.
+/// never for box and quadric; for the others when its material has a blobbiness or a width.
+/// Scene::soft is not looked at.
 bool is_soft(const Scene& scene, const Element& element);
 
-/// R of the element (art-language 3): its own radius unless `fragile` prefers the material's.
+/// R of the element (art-language 3): its own radius unless `fragile` prefers the material's; of a
+/// cone the larger of its radii.
 std::optional<double> radius_of(const Scene& scene, const Element& element);
+
+/// The radii of a cone, > 0 for one of them at least: where `fragile` prefers the material's, that
+/// is the larger one, and the other in proportion.
+struct ConeRadii {
+  double base = 0.0, apex = 0.0;
+};
+ConeRadii cone_radii(const Scene& scene, const Element& element);
 
 /// The kernel of a soft element: the material's, or the default of its command.
 KernelKind kernel_of(const Scene& scene, const Element& element);

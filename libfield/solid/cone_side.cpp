@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "libfield/base/check.h"
+#include "libfield/solid/concave_range.h"
 #include "libfield/solid/turning_gradient.h"
 
 namespace cs2mesh {
@@ -65,19 +66,10 @@ void ConeSide::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) c
   }
 }
 
-/// F is concave, so it is smallest at a corner, and nowhere above its tangent at the middle.
 Interval ConeSide::enclose(const Aabb& box) const {
-  double least = std::numeric_limits<double>::infinity();
-  for (int corner = 0; corner < 8; ++corner) {
-    least = std::min(least, jet_at(box.corner(corner)).value);
-  }
-  const Jet middle = jet_at(box.center());
-  const Vec3d half = 0.5 * box.extent();
-  const double rise = std::abs(middle.gradient.x) * half.x + std::abs(middle.gradient.y) * half.y +
-                      std::abs(middle.gradient.z) * half.z;
   const Vec3d q = local(box.center());
-  const double size = radius_ + norm(q) + norm(start_) + stretch_ * norm(half);
-  return widened(Interval(least, std::max(least, middle.value + rise)),
+  const double size = radius_ + norm(q) + norm(start_) + stretch_ * (0.5 * box.diagonal());
+  return widened(concave_range([this](const Vec3d& p) { return jet_at(p); }, box),
                  1e-14 * (1 + std::abs(slope_)) * size);
 }
 

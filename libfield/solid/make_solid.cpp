@@ -8,6 +8,8 @@
 #include "libfield/solid/cone_side.h"
 #include "libfield/solid/half_space.h"
 #include "libfield/solid/offset.h"
+#include "libfield/solid/quadric_solid.h"
+#include "libfield/solid/round_cone.h"
 
 namespace cs2mesh {
 namespace {
@@ -82,21 +84,60 @@ Surface box(const Placement& placement, const Vec3d& low, const Vec3d& high) {
   return std::make_shared<Combination>(CombinationKind::intersection, std::move(parts));
 }
 
-/// A cone or a box, which have no single radius.
-MadeSolid make_without_radius(const Placement& placement, const Element& element) {
-  const auto& segment = std::get<Segment>(element.skeleton);
+MadeSolid make_box(const Placement& placement, const Segment& diagonal) {
   MadeSolid made;
-  made.creased = true;
-  if (element.kind == ElementKind::cone) {
-    const double base = element.own_radius.value_or(0.0);
-    made.surface = capped_cone(placement, segment, base, element.apex_radius);
-    made.radius = 0.5 * std::max(base, element.apex_radius);
-  } else {
-    made.surface = box(placement, segment.a, segment.b);
-    const Vec3d sides = segment.b - segment.a;
-    made.radius = 0.5 * std::min({sides.x, sides.y, sides.z});
-  }
+  made.surface = box(placement, diagonal.a, diagonal.b);
+  const Vec3d sides = diagonal.b - diagonal.a;
+  made.radius = 0.5 * std::min({sides.x, sides.y, sides.z});
   if (placement.to_local) made.radius /= stretch_bound(placement.to_local->linear);
+  made.creased = true;
+  return made;
+}
+
+/// With lids, or rounded.
+MadeSolid make_cone(const Placement& placement, const Segment& axis, const ConeRadii& radii,
+                    bool rounded) {
+  MadeSolid made;
+  const double larger = std::max(radii.base, radii.apex);
+  if (!rounded) {
+    made.surface = capped_cone(placement, axis, radii.base, radii.apex);
+  } else if (std::abs(radii.base - radii.apex) < norm(axis.b - axis.a)) {
+    made.surface = std::make_shared<RoundCone>(axis, radii.base, radii.apex, placement.to_local);
+  } else {
+    const Point middle{radii.base > radii.apex ? axis.a : axis.b};
+    made.surface = std::make_shared<Offset>(middle, larger, placement.to_local);
+  }
+  made.radius = 0.5 * larger;
+  if (placement.to_local) made.radius /= stretch_bound(placement.to_local->linear);
+  made.creased = !rounded;
+  return made;
+}
+
+Result<MadeSolid> make_quadric(const Placement& placement, const Quadric& quadric,
+                               const SourceLocation& where) {
+  const auto solid = QuadricSolid::make(quadric, placement.to_world);
+  if (!solid) {
+    return error_at(where,
+                    "the quadric leaves the range of double precision, expected less extreme"
+                    " numbers");
+  }
+  if (has_no_inside(solid->form())) {
+    return error_at(where,
+                    "the quadric has no inside, expected a polynomial that is negative "
+                    "somewhere");
+  }
+  MadeSolid made;
+  made.surface = solid;
+  made.radius = least_radius(solid->form());
+  if (!quadric.bounds) return made;
+  const MadeSolid walls = make_box(placement, {quadric.bounds->min, quadric.bounds->max});
+  made.surface = std::make_shared<Combination>(CombinationKind::intersection,
+                                               std::vector<Surface>{solid, walls.surface});
+  if (made.surface->bounds().empty() || made.surface->enclose(made.surface->bounds()).hi < 0) {
+    return error_at(where, "the quadric has no inside within its bounds, expected others");
+  }
+  made.radius = made.radius > 0 ? std::min(made.radius, walls.radius) : walls.radius;
+  made.creased = true;
   return made;
 }
 
@@ -106,50 +147,80 @@ bool is_point_like(const Primitive& primitive, double radius) {
   return extent <= 1e-12 * radius;
 }
 
+/// A polygon with a rounded rim, creased at its reflex corners.
+MadeSolid thick(const Placement& placement, const Polygon& polygon, double radius) {
+  MadeSolid made;
+  made.surface = std::make_shared<Offset>(polygon, radius, placement.to_local);
+  made.creased = !is_convex(polygon);
+  return made;
+}
+
+/// All within the radius of the skeleton, or with flat ends.
+MadeSolid make_around(const Placement& placement, const Element& element, double radius,
+                      bool offset) {
+  MadeSolid made;
+  const auto* segment = std::get_if<Segment>(&element.skeleton);
+  const auto* arc = std::get_if<Arc>(&element.skeleton);
+  const bool has_lids =
+      element.kind == ElementKind::cylinder && element.spelling == Spelling::plain;
+  if (is_point_like(element.skeleton, radius)) {
+    const Vec3d at = std::visit([](const auto& p) { return middle(p); }, element.skeleton);
+    made.surface = std::make_shared<Offset>(Point{at}, radius, placement.to_local);
+  } else if (segment != nullptr && (!offset || has_lids)) {
+    made.surface = capped_cylinder(placement, *segment, radius);
+    made.creased = true;
+  } else if (arc != nullptr && !offset) {
+    made.surface = flat_ended_arc(placement, *arc, radius);
+    made.creased = arc->sweep < 2 * std::numbers::pi;
+  } else {
+    made.surface = std::visit(
+        [&](const auto& p) { return std::make_shared<Offset>(p, radius, placement.to_local); },
+        element.skeleton);
+  }
+  return made;
+}
+
 }  // namespace
 
 Result<MadeSolid> make_solid(const Scene& scene, const Element& element, bool offset) {
   Placement placement{world_transform(scene, element), std::nullopt};
   if (!placement.to_world.is_identity()) placement.to_local = inverse(placement.to_world);
-  MadeSolid made;
+  const std::string name(name_of(element.kind));
+  const auto shape = static_cast<std::size_t>(element.shape);
+  const bool is_polygon = element.kind == ElementKind::polygon;
 
+  // What has no radius, or more than one.
   if (element.kind == ElementKind::plane && !offset) {
     const auto& plane = std::get<Plane>(element.skeleton);
-    made.surface = half_space(placement, plane.point, plane.normal);
-    return made;
+    return MadeSolid{half_space(placement, plane.point, plane.normal)};
   }
-  if (element.kind == ElementKind::cone || element.kind == ElementKind::box) {
-    return make_without_radius(placement, element);
+  if (element.kind == ElementKind::cone) {
+    return make_cone(placement, std::get<Segment>(element.skeleton), cone_radii(scene, element),
+                     offset);
   }
-  if (element.kind == ElementKind::triangle && !offset) {
+  if (element.kind == ElementKind::box) {
+    return make_box(placement, std::get<Segment>(element.skeleton));
+  }
+  if (element.kind == ElementKind::quadric) {
+    return make_quadric(placement, scene.quadrics[shape], element.where);
+  }
+  if ((element.kind == ElementKind::triangle || is_polygon) && !offset) {
     return error_at(element.where,
-                    "a hard triangle has no thickness, expected a surface with 'blobbiness'");
+                    "a hard " + name + " has no thickness, expected a surface with 'blobbiness'");
   }
   if (element.taper && !offset) {
-    return error_at(element.where, "a hard " + std::string(name_of(element.kind)) +
-                                       " has no taper, expected a surface with 'blobbiness'");
+    return error_at(element.where,
+                    "a hard " + name + " has no taper, expected a surface with 'blobbiness'");
   }
   const std::optional<double> radius = radius_of(scene, element);
   if (!radius) {
-    return error_at(element.where, "a " + std::string(name_of(element.kind)) +
+    return error_at(element.where, "a " + name +
                                        " needs a radius to be solid, expected 'radius' in its "
                                        "surface");
   }
+  MadeSolid made = is_polygon ? thick(placement, scene.polygons[shape], *radius)
+                              : make_around(placement, element, *radius, offset);
   made.radius = placement.to_local ? *radius / stretch_bound(placement.to_local->linear) : *radius;
-
-  if (element.kind == ElementKind::cylinder && !is_point_like(element.skeleton, *radius)) {
-    made.surface = capped_cylinder(placement, std::get<Segment>(element.skeleton), *radius);
-    made.creased = true;
-  } else if (const auto* arc = std::get_if<Arc>(&element.skeleton);
-             arc && !offset && !is_point_like(element.skeleton, *radius)) {
-    made.surface = flat_ended_arc(placement, *arc, *radius);
-    made.creased = arc->sweep < 2 * std::numbers::pi;
-  } else if (is_point_like(element.skeleton, *radius)) {
-    const Vec3d at = std::visit([](const auto& p) { return middle(p); }, element.skeleton);
-    made.surface = std::make_shared<Offset>(Point{at}, *radius, placement.to_local);
-  } else {
-    made.surface = std::make_shared<Offset>(element.skeleton, *radius, placement.to_local);
-  }
   return made;
 }
 

@@ -7,6 +7,7 @@
 #include <type_traits>
 
 #include "libfield/base/check.h"
+#include "libfield/base/image_box.h"
 #include "libfield/primitive/nearest_point.h"
 #include "libfield/solid/turning_gradient.h"
 
@@ -46,9 +47,19 @@ Symmetric3 distance_hessian(const Arc& arc, const Vec3d& p, const Vec3d& nearest
   return round + (bend - 1 / distance) * squared(around);
 }
 
+/// Over a flat shape the distance is that from its plane, beside it that from an edge.
+template <class Flat>
+Symmetric3 flat_distance_hessian(const Flat& flat, const Vec3d& p, const Vec3d& nearest) {
+  if (is_above(flat, p)) return {};
+  return distance_hessian(nearest_edge(flat, p), p, nearest);
+}
+
 Symmetric3 distance_hessian(const Triangle& triangle, const Vec3d& p, const Vec3d& nearest) {
-  if (is_above(triangle, p)) return {};
-  return distance_hessian(nearest_edge(triangle, p), p, nearest);
+  return flat_distance_hessian(triangle, p, nearest);
+}
+
+Symmetric3 distance_hessian(const Polygon& polygon, const Vec3d& p, const Vec3d& nearest) {
+  return flat_distance_hessian(polygon, p, nearest);
 }
 
 Symmetric3 distance_hessian(const Plane& /*plane*/, const Vec3d& /*p*/, const Vec3d& /*nearest*/) {
@@ -80,6 +91,30 @@ double curvature_bound(const Arc& arc, const Vec3d& center, double ball_radius, 
   return behind && !full ? kInfinity : std::max(1 / nearest, 1 / rho);
 }
 
+/// As of a convex set where the nearest points all belong to a convex part of the polygon: within
+/// their reach it has no edge, one, or two that meet in a corner of less than 180 degrees. There
+/// may be creases elsewhere.
+double curvature_bound(const Polygon& polygon, const Vec3d& center, double ball_radius,
+                       double nearest) {
+  if (!(nearest > 0)) return kInfinity;
+  if (is_convex(polygon)) return 1 / nearest;
+  const double reach =
+      (norm(nearest_point(polygon, center) - center) + 2 * ball_radius) * (1 + 1e-12);
+  const std::size_t n = polygon.size();
+  std::size_t count = 0;
+  std::size_t first = 0, last = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (distance(polygon.edge(i), center) > reach) continue;
+    if (count == 0) first = i;
+    last = i;
+    ++count;
+  }
+  if (count <= 1) return 1 / nearest;
+  const bool wraps = first == 0 && last == n - 1;
+  const bool neighbours = count == 2 && (last == first + 1 || wraps);
+  return neighbours && !is_reflex(polygon, wraps ? 0 : last) ? 1 / nearest : kInfinity;
+}
+
 /// sup |D^order distance| for orders 3 and 4 where nothing is nearer than `nearest`. Along a line
 /// whose cosine with the ray from a point is c it is 3 c (1 - c^2) / r^2, then
 /// 3 (1 - 6 c^2 + 5 c^4) / r^3. The curvature of the distance to most shapes jumps where the
@@ -95,8 +130,8 @@ double higher_bound(const P& /*primitive*/, int order, double nearest) {
 
 }  // namespace
 
-Offset::Offset(Primitive primitive, double radius, std::optional<Affine> to_local)
-    : primitive_(primitive),
+Offset::Offset(Shape shape, double radius, std::optional<Affine> to_local)
+    : shape_(std::move(shape)),
       radius_(radius),
       to_local_(to_local),
       stretch_(to_local_ ? stretch_bound(to_local_->linear) : 1.0) {
@@ -105,8 +140,8 @@ Offset::Offset(Primitive primitive, double radius, std::optional<Affine> to_loca
 
 Jet Offset::jet_at(const Vec3d& p) const {
   const Vec3d local = to_local_ ? (*to_local_)(p) : p;
-  const Vec3d nearest = std::visit(
-      [&](const auto& primitive) { return nearest_point(primitive, local); }, primitive_);
+  const Vec3d nearest =
+      std::visit([&](const auto& shape) { return nearest_point(shape, local); }, shape_);
   const Vec3d away = local - nearest;
   const double distance = norm(away);
   if (!(distance > 0)) return {radius_, {}};
@@ -117,13 +152,13 @@ Jet Offset::jet_at(const Vec3d& p) const {
 Symmetric3 Offset::hessian_at(const Vec3d& p) const {
   const Vec3d local = to_local_ ? (*to_local_)(p) : p;
   return std::visit(
-      [&](const auto& primitive) -> Symmetric3 {
-        const Vec3d nearest = nearest_point(primitive, local);
+      [&](const auto& shape) -> Symmetric3 {
+        const Vec3d nearest = nearest_point(shape, local);
         if (!(norm(local - nearest) > 0)) return {};
-        const Symmetric3 h = -1.0 * distance_hessian(primitive, local, nearest);
+        const Symmetric3 h = -1.0 * distance_hessian(shape, local, nearest);
         return to_local_ ? congruent(h, to_local_->linear) : h;
       },
-      primitive_);
+      shape_);
 }
 
 void Offset::second_jets(std::span<const Vec3d> points, std::span<Jet2> out) const {
@@ -154,11 +189,11 @@ double Offset::derivative_bound(int order, const Aabb& box) const {
   const double nearest = (radius_ - jet_at(box.center()).value) * (1 - 1e-14) - ball;
   return std::pow(stretch_, order) * (1 + 1e-14) *
          std::visit(
-             [&](const auto& primitive) {
-               return order == 2 ? curvature_bound(primitive, center, ball, nearest)
-                                 : higher_bound(primitive, order, nearest);
+             [&](const auto& shape) {
+               return order == 2 ? curvature_bound(shape, center, ball, nearest)
+                                 : higher_bound(shape, order, nearest);
              },
-             primitive_);
+             shape_);
 }
 
 std::array<Interval, 3> Offset::enclose_gradient(const Aabb& box) const {
@@ -168,13 +203,9 @@ std::array<Interval, 3> Offset::enclose_gradient(const Aabb& box) const {
 
 Aabb Offset::bounds() const {
   const Aabb local =
-      std::visit([](const auto& primitive) { return cs2mesh::bounds(primitive); }, primitive_)
-          .grown(radius_);
+      std::visit([](const auto& shape) { return cs2mesh::bounds(shape); }, shape_).grown(radius_);
   if (!to_local_ || !local.finite()) return local;
-  const Affine to_world = inverse(*to_local_);
-  Aabb box;
-  for (int corner = 0; corner < 8; ++corner) box.include(to_world(local.corner(corner)));
-  return box;
+  return image_box(local, inverse(*to_local_));
 }
 
 std::unique_ptr<ImplicitSurface> Offset::restrict_to(const Aabb& /*box*/) const {

@@ -78,6 +78,18 @@ void expect_same_elements(const Scene& a, const Scene& b) {
     EXPECT_EQ(x.object, y.object);
     expect_near(x.transform, y.transform);
     expect_same(x.skeleton, y.skeleton);
+    EXPECT_EQ(x.shape, y.shape);
+  }
+  ASSERT_EQ(a.polygons.size(), b.polygons.size());
+  for (std::size_t i = 0; i < a.polygons.size(); ++i) {
+    EXPECT_EQ(a.polygons[i].vertex, b.polygons[i].vertex);
+  }
+  ASSERT_EQ(a.quadrics.size(), b.quadrics.size());
+  for (std::size_t i = 0; i < a.quadrics.size(); ++i) {
+    EXPECT_EQ(a.quadrics[i].square, b.quadrics[i].square);
+    EXPECT_EQ(a.quadrics[i].linear, b.quadrics[i].linear);
+    EXPECT_EQ(a.quadrics[i].constant, b.quadrics[i].constant);
+    EXPECT_EQ(a.quadrics[i].bounds, b.quadrics[i].bounds);
   }
   ASSERT_EQ(a.objects.size(), b.objects.size());
   for (std::size_t i = 0; i < a.objects.size(); ++i) {
@@ -156,6 +168,8 @@ TEST(PrintArt, everything_the_language_has_reads_back) {
       "scale 1 2 3\nrotate 1 1 0 30\nscale 3 1 -1\ntranslate 1 2 3\n"
       "arch S 1 0 0 0, 1 1 1, 2 2 2\nplane S 0 0 1, 1 2 3\ntriangle S 0 0 0 1 0 0 0 1 0\n"
       "cone S 0.5 0 0 0, 0.25 0 0 1\nbox S 1 0 3, 0 2 1\nbrick S 2 4 6\n"
+      "polygon S 0 0.1 0.02, 2 0 0.2, 2.7 1 0.47, 1 0.4 0.18\n"
+      "quadric S 1 2 3, 0.1 0.3 6, 7 8 9, -10 bounds 1 1 1, 0 0 0\nquadric S 1 0 0 0 0 0 0 0 1 0\n"
       "dot S 1 2 3\ngauss S 1 2 3\nline S 0 0 0 1 1 1\n"
       "line S 0 0 0 1 1 1 taper 1 0.3\nline S 0 0 0 1 1 1 taper 0.7 -0.1 0.3\n"
       "cylinder S 1 0 0 0 1 1 1 taper 0.1 0.2 0.7\npipe S 1 0 0 0 1 1 1 tap 0 0\n"));

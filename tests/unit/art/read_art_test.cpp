@@ -131,14 +131,17 @@ TEST(Primitives, each_makes_its_skeleton) {
       "line S 0 0 0 0 0 1\ndot S 1 1 1\ngauss S 2 2 2\ntriangle S 0 0 0 1 0 0 0 1 0\n"
       "plane S 0 0 1, 0 0 5\narc S 2 0.1 <1 0 0> <0 0 1> 0 90\ntorus S 2 0.1 0 0 0, 0 1 0\n"
       "arch S 0.1 1 0 0, 0 1 0, -1 0 0\narch S 0.1 0 0 0, 1 0 0, 2 0 0\n"
-      "cone S 0.5 0 0 0, 0.25 0 0 1\nbox S 1 0 3, 0 2 1\nbrick S 2 4 6\n");
+      "cone S 0.5 0 0 0, 0.25 0 0 1\nbox S 1 0 3, 0 2 1\nbrick S 2 4 6\n"
+      "polygon S 0 0 0, 2 0 0, 2 1 0, 0 1 0\n"
+      "quadric S 1 2 3, 4 5 6, 7 8 9, -10 bounds 1 1 1, 0 0 0\n");
   const auto& e = scene.elements;
-  ASSERT_EQ(e.size(), 15u);
+  ASSERT_EQ(e.size(), 17u);
   const ElementKind kKinds[] = {ElementKind::sphere,   ElementKind::cylinder, ElementKind::cylinder,
                                 ElementKind::line,     ElementKind::dot,      ElementKind::gauss,
                                 ElementKind::triangle, ElementKind::plane,    ElementKind::arc,
                                 ElementKind::arc,      ElementKind::arch,     ElementKind::arch,
-                                ElementKind::cone,     ElementKind::box,      ElementKind::box};
+                                ElementKind::cone,     ElementKind::box,      ElementKind::box,
+                                ElementKind::polygon,  ElementKind::quadric};
   for (std::size_t i = 0; i < e.size(); ++i) EXPECT_EQ(e[i].kind, kKinds[i]) << i;
   EXPECT_EQ(e[0].own_radius, 2);
   EXPECT_EQ(e[1].own_radius, 0.5);
@@ -162,6 +165,15 @@ TEST(Primitives, each_makes_its_skeleton) {
   EXPECT_EQ(std::get<Segment>(e[13].skeleton).b, (Vec3d{1, 2, 3}));
   EXPECT_EQ(std::get<Segment>(e[14].skeleton).a, (Vec3d{-1, -2, -3}));
   EXPECT_FALSE(is_soft(scene, e[14]));
+  EXPECT_EQ(std::get<Triangle>(e[15].skeleton).vertex[2], (Vec3d{0, 1, 0}));
+  EXPECT_EQ(scene.polygons.at(0).vertex.at(2), (Vec3d{2, 1, 0}));
+  EXPECT_TRUE(is_soft(scene, e[15]));
+  const Quadric& quadric = scene.quadrics.at(0);
+  EXPECT_EQ(quadric.square, (Symmetric3{1, 2, 3, 2, 2.5, 3}));
+  EXPECT_EQ(quadric.linear, (Vec3d{7, 8, 9}));
+  EXPECT_EQ(quadric.constant, -10);
+  EXPECT_EQ(quadric.bounds, (Aabb{{0, 0, 0}, {1, 1, 1}}));
+  EXPECT_FALSE(is_soft(scene, e[16]));
 }
 
 TEST(Primitives, the_radius_in_force_follows_fragile) {
@@ -169,20 +181,32 @@ TEST(Primitives, the_radius_in_force_follows_fragile) {
       "surface S radius 9 blobbiness -1\nsphere S 1 0 0 0\n"
       "cylinder S 1 0 0 0 1 0 0\npipe S 1 0 0 0 1 0 0\n"
       "arc S 2 1 0 0 0 0 0 1 0 90\ntorus S 2 1 0 0 0 0 0 1\n"
-      "arch S 1 1 0 0 0 1 0 -1 0 0\n";
+      "arch S 1 1 0 0 0 1 0 -1 0 0\ncone S 0.5 0 0 0 1 0 0 4\n";
   const auto radii = [&](const std::string& line) {
     const Scene scene = scene_of(text + line);
     std::string radii;
     for (const Element& e : scene.elements) radii += radius_of(scene, e) == 9 ? 'S' : 'o';
     return radii;
   };
-  EXPECT_EQ(radii(""), "oooooo");
-  EXPECT_EQ(radii("fragile all\n"), "SSSSSS");
-  EXPECT_EQ(radii("fragile all\nfragile none\n"), "oooooo");
-  EXPECT_EQ(radii("fragile sphere pipe\n"), "SoSooo");
-  EXPECT_EQ(radii("fragile sphere\nfragile cylinder\n"), "oSoooo");
-  EXPECT_EQ(radii("fragile arc\n"), "oooSoo");
-  EXPECT_EQ(radii("fragile torus arch\n"), "ooooSS");
+  EXPECT_EQ(radii(""), "ooooooo");
+  EXPECT_EQ(radii("fragile all\n"), "SSSSSSS");
+  EXPECT_EQ(radii("fragile all\nfragile none\n"), "ooooooo");
+  EXPECT_EQ(radii("fragile sphere pipe\n"), "SoSoooo");
+  EXPECT_EQ(radii("fragile sphere\nfragile cylinder\n"), "oSooooo");
+  EXPECT_EQ(radii("fragile arc\n"), "oooSooo");
+  EXPECT_EQ(radii("fragile torus arch\n"), "ooooSSo");
+}
+
+TEST(Primitives, both_radii_of_a_cone_follow_fragile) {
+  const std::string text = "surface S radius 9 blobbiness -1\ncone S 0.5 0 0 0 1.5 0 0 4\n";
+  const auto radii = [&](const std::string& line) {
+    const Scene scene = scene_of(text + line);
+    return cone_radii(scene, scene.elements[0]);
+  };
+  EXPECT_EQ(radii("").base, 0.5);
+  EXPECT_EQ(radii("").apex, 1.5);
+  EXPECT_EQ(radii("fragile cone\n").base, 3);
+  EXPECT_EQ(radii("fragile cone\n").apex, 9);
 }
 
 TEST(Objects, nest_and_chain) {

@@ -138,20 +138,27 @@ TEST(SecondJet, OfSolidsAreTheirGradientsSlopes) {
                                  Triangle{{Vec3d{-1, 0, 0}, {1, 0.2, 0.1}, {0, 1, 0.3}}},
                                  Plane{{0, 0, 0.1}, {0, 0.6, 0.8}},
                                  Segment{{0, 0, -1}, {0.2, 0, 1}},
-                                 Segment{{-1, -0.5, -0.7}, {1, 1, 0.5}}};
+                                 Segment{{-1, -0.5, -0.7}, {1, 1, 0.5}},
+                                 Point{},
+                                 Point{}};
   const ElementKind kinds[] = {ElementKind::sphere,   ElementKind::cylinder, ElementKind::arc,
                                ElementKind::triangle, ElementKind::plane,    ElementKind::cone,
-                               ElementKind::box};
+                               ElementKind::box,      ElementKind::polygon,  ElementKind::quadric};
   Compared compared;
   for (std::size_t k = 0; k < std::size(kinds); ++k) {
     for (const bool offset : {false, true}) {
-      if (kinds[k] == ElementKind::triangle && !offset) continue;
+      const bool flat = kinds[k] == ElementKind::triangle || kinds[k] == ElementKind::polygon;
+      if (flat && !offset) continue;
       Scene scene;
+      scene.polygons.push_back(std::get<Polygon>(
+          make_polygon({{-1, 0, 0}, {1, 0, 0}, {1, 1.2, 0}, {0, 0.3, 0}, {-1, 1.2, 0}})));
+      scene.quadrics.push_back({{1, 3, -0.5, 0.2, 0, 0.1}, {0.1, 0, 0.3}, -0.5, std::nullopt});
       scene.materials.push_back({});
       scene.materials[0].radius = 0.3;
       Element element;
       element.kind = kinds[k];
       element.skeleton = skeletons[k];
+      element.shape = 0;
       if (kinds[k] == ElementKind::cone) element.own_radius = 0.9, element.apex_radius = 0.3;
       element.transform = Affine::rotate({1, 2, 3}, 40) * Affine::scale({1, 0.6, 1.5});
       scene.elements.push_back(element);

@@ -130,6 +130,23 @@ TEST_P(EveryMesher, GivesTheSameBytesForAnyNumberOfThreads) {
   }
 }
 
+TEST_P(EveryMesher, KeepsTheToleranceWhereSmallFeaturesMayBeLost) {
+  for (const Shape& shape : shapes()) {
+    if (shape.name != "joined_blobs") continue;
+    MesherRequest request = request_for(shape);
+    const auto strict = mesher().mesh(*shape.surface, request);
+    request.min_feature = 0.5 * shape.radius;
+    const auto result = mesher().mesh(*shape.surface, request);
+    ASSERT_TRUE(strict && result);
+    EXPECT_FALSE(strict->unresolved_cells);
+    EXPECT_TRUE(result->reached);
+    EXPECT_TRUE(check(result->mesh).ok());
+    MeasureOptions options;
+    options.samples = 20'000;
+    EXPECT_LE(measure(*shape.surface, result->mesh, options).max(), shape.tolerance);
+  }
+}
+
 TEST_P(EveryMesher, HeedsLimits) {
   MesherRequest request = request_for(shapes().front());
   request.max_triangles = 100;

@@ -1,6 +1,11 @@
 // Hard solids: known distances, bounds that contain.
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
+#include <utility>
+#include <vector>
+
 #include "libfield/base/random.h"
 #include "libfield/solid/make_solid.h"
 
@@ -103,6 +108,132 @@ TEST(Solid, BoxIsWhatLiesBetweenItsCorners) {
   EXPECT_TRUE(solid(turned).surface->bounds().finite());
 }
 
+Scene polygon(const std::vector<Vec3d>& vertices, const Affine& transform = {}) {
+  Scene scene = hard_element(ElementKind::polygon, Point{}, transform);
+  scene.elements[0].shape = 0;
+  scene.polygons.push_back(std::get<Polygon>(make_polygon(vertices)));
+  return scene;
+}
+
+Scene quadric(const Symmetric3& square, const Vec3d& linear, double constant,
+              const Affine& transform = {}, std::optional<Aabb> bounds = std::nullopt) {
+  Scene scene = hard_element(ElementKind::quadric, Point{}, transform);
+  scene.elements[0].shape = 0;
+  scene.quadrics.push_back({square, linear, constant, bounds});
+  return scene;
+}
+
+const std::vector<Vec3d> kNotch = {{0, 0, 0}, {2, 0, 0}, {2, 2, 0}, {1, 0.5, 0}, {0, 2, 0}};
+
+TEST(Solid, OffsetsAreAllWithinTheRadius) {
+  // Where the skeleton, its offset surface and a point at a distance from it are known.
+  struct Known {
+    Scene scene;
+    Vec3d point;
+    double distance;
+  };
+  const std::vector<Known> all = {
+      {hard_element(ElementKind::dot, Point{{1, 0, 0}}), {1, 2, 0}, 2},
+      {hard_element(ElementKind::line, Segment{{0, 0, 0}, {0, 0, 2}}), {3, 0, 6}, 5},
+      {hard_element(ElementKind::line, Segment{{0, 0, 0}, {0, 0, 2}}), {0, 0.25, 1}, 0.25},
+      {hard_element(ElementKind::arch, Segment{{0, 0, 0}, {0, 0, 2}}), {0, 0, -0.4}, 0.4},
+      {hard_element(ElementKind::arc, make_arc({0, 0, 0}, 2, {0, 0, 1}, 0, 90)), {2, -1, 0}, 1},
+      {hard_element(ElementKind::triangle, Triangle{{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}),
+       {0.25, 0.25, 3},
+       3},
+      {hard_element(ElementKind::triangle, Triangle{{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}),
+       {0.5, -3, 4},
+       5},
+      {hard_element(ElementKind::plane, Plane{{0, 0, 1}, {0, 0, 1}}), {9, 9, -2}, 3},
+      {polygon(kNotch), {0.25, 0.25, -3}, 3},
+      {polygon(kNotch), {-3, 1, 4}, 5},
+      {polygon(kNotch), {1, 0.75, 0}, 0.25 / std::sqrt(1 + 1.5 * 1.5)}};
+  for (const Known& known : all) {
+    const MadeSolid made = solid(known.scene, true);
+    EXPECT_NEAR(made.surface->value(known.point), 0.5 - known.distance, 1e-14)
+        << name_of(known.scene.elements[0].kind);
+    EXPECT_EQ(made.radius, 0.5);
+  }
+  EXPECT_TRUE(solid(polygon(kNotch), true).creased);
+  EXPECT_FALSE(solid(polygon({{0, 0, 0}, {2, 0, 0}, {2, 2, 0}}), true).creased);
+}
+
+TEST(Solid, PipesHaveLidsUntilTheyAreOffsets) {
+  Scene scene = hard_element(ElementKind::cylinder, Segment{{0, 0, 0}, {0, 0, 2}});
+  scene.elements[0].spelling = Spelling::pipe;
+  const Vec3d above{0, 0, 2.25};
+  EXPECT_NEAR(solid(scene).surface->value(above), -0.25, 1e-15);
+  EXPECT_NEAR(solid(scene, true).surface->value(above), 0.25, 1e-15);
+  EXPECT_TRUE(solid(scene).creased);
+  EXPECT_FALSE(solid(scene, true).creased);
+  const Scene straight = hard_element(ElementKind::arch, Segment{{0, 0, 0}, {0, 0, 2}});
+  EXPECT_NEAR(solid(straight).surface->value(above), -0.25, 1e-15);
+}
+
+TEST(Solid, OffsetOfAConeIsAllItsBalls) {
+  Random random(11);
+  for (const auto& [a, b] : {std::pair{1.0, 0.25}, {0.0, 0.9}, {0.5, 0.5}, {2.5, 0.1}}) {
+    const Segment axis{{0, 0, 0}, {0, 1, 2}};
+    const MadeSolid made = solid(cone(axis.a, a, axis.b, b), true);
+    EXPECT_FALSE(made.creased);
+    for (int trial = 0; trial < 100; ++trial) {
+      const Vec3d p{random.uniform(-3, 3), random.uniform(-3, 3), random.uniform(-3, 4)};
+      double greatest = -HUGE_VAL;
+      for (int i = 0; i <= 2000; ++i) {
+        const double t = i / 2000.0;
+        greatest = std::max(greatest, a + t * (b - a) - norm(p - axis.a - t * (axis.b - axis.a)));
+      }
+      const Jet jet = made.surface->jet(p);
+      EXPECT_NEAR(jet.value, greatest, 2e-6);
+      EXPECT_GE(jet.value, greatest - 1e-14);
+      EXPECT_NEAR(norm(jet.gradient), 1, 1e-12);
+    }
+  }
+}
+
+TEST(Solid, QuadricIsWhereItsPolynomialIsNotAboveZero) {
+  const Affine place =
+      Affine::translate({1000, 2, 3}) * Affine::rotate({1, 2, 3}, 50) * Affine::scale({1, 2, -0.5});
+  const Symmetric3 square{1, 4, -0.5, 0.25, 0, 0.5};
+  const Scene scene = quadric(square, {0.5, 0, 1}, -1, place);
+  const auto surface = solid(scene).surface;
+  Random random(12);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Vec3d p{random.uniform(-2, 2), random.uniform(-2, 2), random.uniform(-2, 2)};
+    const double q = evaluate(scene.quadrics[0], p).value;
+    const double f = surface->value(place(p));
+    EXPECT_EQ(f >= 0, q <= 0);
+    EXPECT_NEAR(f, -q * surface->value(place({0, 0, 0})), 1e-9);
+  }
+}
+
+TEST(Solid, QuadricsKeepTheirScaleAndTheirBounds) {
+  const MadeSolid ball = solid(quadric({4, 4, 4, 0, 0, 0}, {}, -1));
+  EXPECT_FALSE(ball.creased);
+  EXPECT_DOUBLE_EQ(ball.radius, 0.5);
+  EXPECT_NEAR(norm(ball.surface->jet({0.5, 0, 0}).gradient), 1, 1e-15);
+  EXPECT_LT(norm(ball.surface->bounds().extent() - Vec3d{1, 1, 1}), 1e-11);
+  EXPECT_EQ(ball.surface->derivative_bound(3, {{0, 0, 0}, {1, 1, 1}}), 0);
+  const Aabb low{{-1, -1, -2}, {1, 1, 0}};
+  const MadeSolid cut = solid(quadric({1, 1, 0, 0, 0, 0}, {0, 0, 1}, 0, {}, low));
+  EXPECT_TRUE(cut.creased);
+  EXPECT_TRUE(low.grown(1e-12).contains(cut.surface->bounds()));
+  EXPECT_GT(cut.surface->value({0.5, 0.5, -1}), 0);
+  EXPECT_LT(cut.surface->value({0.5, 0.5, -2.5}), 0);
+}
+
+TEST(Solid, QuadricsWithoutInsideAreErrors) {
+  const auto fails = [](const Scene& scene) {
+    return !make_solid(scene, scene.elements[0], false);
+  };
+  EXPECT_TRUE(fails(quadric({1, 1, 1, 0, 0, 0}, {}, 1)));
+  EXPECT_TRUE(fails(quadric({1, 1, 1, 0, 0, 0}, {}, 0)));
+  EXPECT_TRUE(fails(quadric({1, 1, 1, 0, 0, 0}, {}, -1, {}, Aabb{{5, 5, 5}, {6, 6, 6}})));
+  EXPECT_TRUE(fails(quadric({1e300, 1, 1, 0, 0, 0}, {1e300, 1e300, 0}, 1e300)));
+  EXPECT_TRUE(fails(quadric({1e-300, 0, 0, 0, 0, 0}, {1, 0, 0}, 0)));
+  EXPECT_FALSE(fails(quadric({1, 1, -1, 0, 0, 0}, {}, 0)));
+}
+
 TEST(Solid, BoundsContainWhatIsSampled) {
   const Affine skew = Affine::rotate({1, 1, 0}, 40) * Affine::scale({0.5, 2, -1});
   const std::vector<Scene> scenes = {
@@ -114,10 +245,17 @@ TEST(Solid, BoundsContainWhatIsSampled) {
       hard_element(ElementKind::triangle, Triangle{{Vec3d{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}}, skew),
       cone({0, 0, -1}, 1, {0.5, 0, 1}, 0.25, skew),
       cone({0, 0, -1}, 2, {0, 0, 2}, 0),
-      hard_element(ElementKind::box, Segment{{-1, -1, -1}, {1, 2, 1}}, skew)};
+      hard_element(ElementKind::box, Segment{{-1, -1, -1}, {1, 2, 1}}, skew),
+      polygon(kNotch, skew),
+      polygon(kNotch),
+      quadric({1, 2, 3, 0.5, 0, -0.5}, {1, 0, 0}, -1, skew),
+      quadric({1, 2, -3, 0.5, 0, -0.5}, {1, 0, 0}, 0),
+      quadric({1, 1, 0, 0, 0, 0}, {0, 0, 1}, 0, skew, Aabb{{-1, -1, -2}, {1, 1, 0}})};
   Random random(1);
   for (std::size_t which = 0; which < scenes.size(); ++which) {
-    const bool offset = scenes[which].elements[0].kind == ElementKind::triangle;
+    const ElementKind kind = scenes[which].elements[0].kind;
+    const bool offset = kind == ElementKind::triangle || kind == ElementKind::polygon ||
+                        (kind == ElementKind::cone && which % 2 == 0);
     const auto surface = solid(scenes[which], offset).surface;
     for (int trial = 0; trial < 400; ++trial) {
       const double size = std::pow(10.0, random.uniform(-2, 0));
