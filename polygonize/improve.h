@@ -30,9 +30,9 @@ struct ImproveStatistics {
 /// for some of thin triangles, which come to lie on the surface. No triangle is made that is
 /// measured to be farther than the tolerance, nor one with an angle below kThinAngle where all were
 /// better. The surface around a vertex that is taken out, as the normals tell it, is within the
-/// tolerance of the new triangles. Not promised: that the mesh does not cross itself afterwards, nor that no
-/// thin triangle is left. Deterministic for any number of threads. Some 20 jets for each triangle
-/// that is tried.
+/// tolerance of the new triangles. Not promised: that the mesh does not cross itself afterwards,
+/// nor that no thin triangle is left. Deterministic for any number of threads. Some 20 jets for
+/// each triangle that is tried.
 TriangleMesh improve(const ImplicitSurface& surface, TriangleMesh mesh,
                      const ImproveOptions& options, ImproveStatistics* statistics = nullptr);
 

@@ -2,10 +2,11 @@
 // and flipped, vertices moved along the surface.
 //
 // How far a triangle is from the surface is told by the normals at its corners, to second order
-// (sagitta.h), so that most of the work asks nothing of F. Edges get the length at which an
-// equilateral triangle on a sphere of the greatest curvature around has its middle the tolerance
-// off, unless that is more than those around allow (Botsch and Kobbelt, "A remeshing approach to
-// multiresolution modeling", 2004).
+// (sagitta.h), so that most of the work asks nothing of F. Lengths are measured by how the surface
+// bends (shape_operator.h): there, triangles are to be equilateral, of the size that has the middle
+// of each the tolerance off (Botsch and Kobbelt, "A remeshing approach to multiresolution
+// modeling", 2004; lengths after Alliez et al., "Anisotropic polygonal remeshing", 2003). Those
+// that are too far at last are split.
 #pragma once
 
 #include <cstddef>
@@ -38,8 +39,8 @@ struct RemeshStatistics {
 
 /// `mesh` is closed, oriented and 2-manifold (else ContractViolation), without attributes; it comes
 /// from `tree`, whose leaf_of[v] is a leaf vertex v is near. Vertices are on the surface of the
-/// tree afterwards, as far as Newton's method along the gradient takes them, unless balanced. The topology of the
-/// mesh stays as it is. Not promised: that every triangle is within the tolerance.
+/// tree afterwards, as far as Newton's method along the gradient takes them, unless balanced. The
+/// topology of the mesh stays as it is. Not promised: that every triangle is within the tolerance.
 TriangleMesh remesh(const ImplicitSurface& surface, const SurfaceOctree& tree, TriangleMesh mesh,
                     std::span<const Octree::Index> leaf_of, const RemeshOptions& options,
                     RemeshStatistics* statistics = nullptr);
