@@ -26,8 +26,8 @@ struct FarOptions {
 /// Of each of these triangles of the mesh that is too far, a point where it is. Looks at the point
 /// where one with its corners on a sphere is farthest from it and at the middles of its edges, and
 /// at more where that is in doubt. Distances are those of find_foot(). The triangles are best near
-/// each other, as F is restricted to the box around them. Some four jets a triangle, 17 where it is
-/// in doubt. Not promised: that none of the others is too far somewhere else.
+/// each other, as F is restricted to the box around them. Some four jets and values a triangle, 17
+/// where it is in doubt. Not promised: that none of the others is too far somewhere else.
 std::vector<LostPoint> far_triangles(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                      std::span<const std::size_t> triangles,
                                      const FarOptions& options);
