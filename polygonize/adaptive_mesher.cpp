@@ -197,7 +197,8 @@ class Adaptive {
     std::vector<bool> close_vertices;
     std::size_t crossing_before = std::numeric_limits<std::size_t>::max();
     TriangleMesh::Index unchecked = 0;  // triangles without a vertex from there on do not cross
-    std::vector<LostPoint> missed;
+    std::vector<LostPoint> missed;      // of the points of the surface
+    bool looked = false;                // at all of them
     const auto look_at_all = [&](bool all) {
       whole = all;
       refinement.first_new = all ? 0 : vertex_count(mesh);
@@ -236,10 +237,11 @@ class Adaptive {
       }
       unchecked = vertex_count(mesh);
       begin("look back");
-      // Not every pass asks about all points of the surface, but the last one does.
-      if (whole || missed.empty()) {
+      // Not every pass asks about all points of the surface, but the first and the last one do.
+      if (whole || !looked) {
         missed = lost_points(mesh, on_surface);
-      } else {
+        looked = true;
+      } else if (!missed.empty()) {
         std::vector<Vec3d> again;
         for (const LostPoint& point : missed) again.push_back(point.on_surface);
         missed = lost_points(mesh, again);

@@ -20,8 +20,6 @@ namespace {
 
 using Index = TriangleMesh::Index;
 
-/// Angles below this are not made of better ones, in degrees.
-constexpr double kSound = kThinAngle + 0.5;
 /// The least cosine between a triangle and the surface at its corners.
 constexpr double kTurn = 0.3;
 /// What is not worth measuring, in tolerances, by normals.
@@ -62,11 +60,14 @@ class Improver {
 
  private:
   using Triangle = std::array<Index, 3>;
+  /// The tangent of the angle below which none is made of better ones.
+  const double sound_ = tangent_of(kThinAngle + 0.5);
   const Vec3d& position(Index v) const { return positions_[v]; }
   Index start(HalfEdge h) const { return start_of(mesh_.mesh(), h); }
   Index end(HalfEdge h) const { return end_of(mesh_.mesh(), h); }
+  /// The tangent of the smallest angle.
   double angle_of(const Triangle& t) const {
-    return smallest_angle(position(t[0]), position(t[1]), position(t[2]));
+    return tangent_of_smallest_angle(position(t[0]), position(t[1]), position(t[2]));
   }
 
   /// The normal of the surface at each vertex, and its foot there.
@@ -109,7 +110,7 @@ class Improver {
     shapes_ = shape_operators(mesh_.mesh(), normals_);
     const std::size_t count = mesh_.mesh().triangles.size();
     for (std::size_t t = 0; t < count; ++t) {
-      if (mesh_.alive(t) && angle_of(mesh_.mesh().triangles[t]) < kSound) propose_for_thin(t);
+      if (mesh_.alive(t) && angle_of(mesh_.mesh().triangles[t]) < sound_) propose_for_thin(t);
     }
     for (HalfEdge h = 0; h < 3 * count; ++h) {
       if (mesh_.alive(triangle_of(h))) propose_collapse(h);
@@ -138,7 +139,7 @@ class Improver {
     if (touched_[a] || touched_[b] || refused(Kind::collapse, h)) return false;
     const HalfEdge back = mesh_.opposite(h);
     const std::size_t first = made_.size();
-    double now = kSound, then = kSound;
+    double now = sound_, then = sound_;
     bool fits = true;
     mesh_.for_ring(h, [&](HalfEdge turn) {
       if (!fits) return;
@@ -150,7 +151,7 @@ class Improver {
       then = std::min(then, angle_of(made));
       made_.push_back(made);
     });
-    if (!fits || (then < kSound && then <= now) || !mesh_.can_collapse(h) ||
+    if (!fits || (then < sound_ && then <= now) || !mesh_.can_collapse(h) ||
         !covers(std::span(made_).subspan(first), h)) {
       made_.resize(first);
       return false;
@@ -181,7 +182,7 @@ class Improver {
     const Index v = start(h);
     if (touched_[v] || refused(Kind::move, h)) return false;
     Vec3d sum{};
-    double count = 0, now = kSound;
+    double count = 0, now = sound_;
     bool free = true;
     mesh_.for_ring(h, [&](HalfEdge turn) {
       free = free && !touched_[end(turn)];
@@ -193,7 +194,7 @@ class Improver {
     const std::size_t first = made_.size();
     for (const double share : {0.8, 0.4, 0.2}) {
       const Index place = add_place(v, (share / count) * sum);
-      double then = kSound;
+      double then = sound_;
       bool fits = true;
       mesh_.for_ring(h, [&](HalfEdge turn) {
         made_.push_back({place, end(turn), end(next_in_triangle(turn))});

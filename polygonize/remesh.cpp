@@ -55,7 +55,7 @@ class Remesher {
       even_out();
     }
     stretch_ = kLastStretch;
-    sound_ = kThinAngle + 1;
+    sound_ = tangent_of(kThinAngle + 1);
     for (int round = 0; round < kFittings && !cancelled(options_.progress); ++round) {
       find_metrics();
       split_far();
@@ -402,8 +402,9 @@ class Remesher {
     return !(then > now && then > kFit * options_.tolerance);
   }
 
+  /// The tangent of the smallest angle.
   double angle_of(Index a, Index b, Index c) const {
-    return smallest_angle(position(a), position(b), position(c));
+    return tangent_of_smallest_angle(position(a), position(b), position(c));
   }
 
   // ---- Folds ----
@@ -527,7 +528,8 @@ class Remesher {
       return true;
     }
     const double angle = angle_of(t[0], t[1], t[2]);
-    return angle < sound_ && angle < smallest_angle(points[t[0]], points[t[1]], points[t[2]]);
+    return angle < sound_ &&
+           angle < tangent_of_smallest_angle(points[t[0]], points[t[1]], points[t[2]]);
   }
 
   /// Returns the vertices of triangles that turned over, until there are none or all are back.
@@ -572,8 +574,8 @@ class Remesher {
   std::vector<double> last_step_;  ///< on the way to the surface
   std::vector<Index> order_;
   std::vector<bool> used_;
-  /// Triangles with angles below this, in degrees, are not made of better ones.
-  double sound_ = kThinAngle;
+  /// The tangent of the angle below which none is made of better ones.
+  double sound_ = tangent_of(kThinAngle);
   double stretch_ = kStretch;  ///< most ratio of curvatures that triangles follow
 };
 

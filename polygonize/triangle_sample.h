@@ -63,17 +63,10 @@ inline double norm_of_any(const Vec3d& a) {
 }
 
 /// The distance to the surface as |F| and |grad F| tell it, or `otherwise` where the gradient does
-/// not: the greatest of what it is if F + T is linear, an exponential, or, inside, as near to a bone
-/// of a kernel that reaches everywhere, the third power of the reciprocal of the distance; of the
-/// latter no more than three times the others.
+/// not; of the linear and the logarithmic estimate the greater.
 inline double first_order_distance(const Jet& jet, double otherwise) {
-  constexpr double kMostByPower = 3.0;
   if (jet.value == 0) return 0.0;
-  double rise = std::max(std::abs(jet.value), std::abs(leveled(jet.value)));
-  if (jet.value > 0) {
-    const double field = 1 + jet.value;
-    rise = std::max(rise, std::min(3 * field * (std::cbrt(field) - 1), kMostByPower * rise));
-  }
+  const double rise = std::max(std::abs(jet.value), std::abs(leveled(jet.value)));
   const double distance = rise / norm_of_any(jet.gradient);
   return distance <= otherwise ? distance : otherwise;
 }

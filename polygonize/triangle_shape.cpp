@@ -6,7 +6,13 @@
 
 namespace cs2mesh {
 
-double smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+namespace {
+
+constexpr double kDegree = std::numbers::pi / 180.0;
+
+}  // namespace
+
+double tangent_of_smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   // It lies opposite to the shortest side.
   const Vec3d u = b - a, v = c - b, w = a - c;
   const double uu = squared_norm(u), vv = squared_norm(v), ww = squared_norm(w);
@@ -14,8 +20,15 @@ double smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
                         : vv <= std::min(uu, ww) ? -dot(w, u)
                                                  : -dot(u, v);
   const double twice_area = norm(cross(u, v));
-  if (!(twice_area > 0)) return 0.0;
-  return std::atan2(twice_area, beside) * (180.0 / std::numbers::pi);
+  return twice_area > 0 ? twice_area / beside : 0.0;
+}
+
+double smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
+  return std::atan(tangent_of_smallest_angle(a, b, c)) / kDegree;
+}
+
+double tangent_of(double degrees) {
+  return std::tan(degrees * kDegree);
 }
 
 TriangleShapes triangle_shapes(const TriangleMesh& mesh) {

@@ -13,6 +13,10 @@ inline constexpr double kThinAngle = 20.0;
 /// The smallest angle of a triangle, in degrees: 60 if it is equilateral, 0 if two corners or all
 /// lie on a line. 0 for corners that are not finite.
 double smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
+/// Its tangent, which tells the same of which triangle is the thinner, sooner.
+double tangent_of_smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c);
+/// The tangent of an angle in degrees.
+double tangent_of(double degrees);
 
 struct TriangleShapes {
   double min_angle_deg = 60.0;  ///< of all; 60 for a mesh without triangles
