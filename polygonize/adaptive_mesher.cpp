@@ -243,6 +243,7 @@ class Adaptive {
         looked = true;
       } else if (!missed.empty()) {
         std::vector<Vec3d> again;
+        again.reserve(missed.size());
         for (const LostPoint& point : missed) again.push_back(point.on_surface);
         missed = lost_points(mesh, again);
       }
