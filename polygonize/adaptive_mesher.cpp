@@ -189,12 +189,13 @@ class Adaptive {
   /// surface that are too far from it. Returns how far apart they are then, at most, as far as that
   /// was looked at; infinite if triangles cross. Where it is hard is put down in trouble_.
   double bring_near(TriangleMesh& mesh, std::span<const Vec3d> on_surface) {
-    constexpr int kMostPasses = 16;
+    constexpr int kMostPasses = 16, kMostMends = 4;
     RefineOptions refinement = refine_options();
     bool whole = true;  // whether the pass looks at all triangles, not just at those that changed
     trouble_.clear();
     std::vector<Vec3d> close;  // where sheets come close, so that triangles have to be smaller
     std::vector<bool> close_vertices;
+    int mends = 0;
     std::size_t crossing_before = std::numeric_limits<std::size_t>::max();
     TriangleMesh::Index unchecked = 0;  // triangles without a vertex from there on do not cross
     std::vector<LostPoint> missed;      // of the points of the surface
@@ -226,8 +227,8 @@ class Adaptive {
         // Smaller triangles first: those that are mended may be farther from the surface.
         const bool fewer = crossing.size() < std::exchange(crossing_before, crossing.size());
         if (!fewer) {
-          if (mend_crossings(surface_, mesh, request_.thinnest_radius, std::move(found)) ==
-              Crossings::left) {
+          if (++mends > kMostMends || mend_crossings(surface_, mesh, request_.thinnest_radius,
+                                                     std::move(found)) == Crossings::left) {
             return HUGE_VAL;
           }
           unchecked = vertex_count(mesh);
@@ -253,10 +254,11 @@ class Adaptive {
       if (whole && near_enough && (lost.empty() || pass > 0)) {
         return std::max(largest_distance(lost), kRefined * request_.tolerance);
       }
+      const bool was_whole = whole;
       look_at_all(false);
-      const bool changed = !lost.empty() && !insert_points(mesh, lost).empty();
-      if (whole && !changed) return largest_distance(lost);
-      if (!changed) look_at_all(true);
+      if (!lost.empty() && !insert_points(mesh, lost).empty()) continue;
+      if (was_whole) return largest_distance(lost);
+      look_at_all(true);
     }
     return HUGE_VAL;
   }

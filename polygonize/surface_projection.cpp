@@ -376,6 +376,17 @@ std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
   return std::nullopt;
 }
 
+/// Where F changes its sign on that stretch, on the far side.
+Vec3d between(const ImplicitSurface& surface, SignChange change) {
+  constexpr int kHalvings = 32;
+  const bool side = inside(surface.value(change.near));
+  for (int i = 0; i < kHalvings; ++i) {
+    const Vec3d middle = 0.5 * (change.near + change.far);
+    (inside(surface.value(middle)) == side ? change.near : change.far) = middle;
+  }
+  return change.far;
+}
+
 }  // namespace
 
 Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order, double enough) {
@@ -384,13 +395,18 @@ Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_orde
     const double distance = norm(*straight - p);
     if (distance <= enough) return {*straight, distance};
     const std::optional<SignChange> nearer = search_around(surface, p, distance);
-    return nearer ? Foot{nearer->far, nearer->distance} : Foot{*straight, distance};
+    if (!nearer) return {*straight, distance};
+    const Vec3d foot = between(surface, *nearer);
+    return {foot, norm(foot - p)};
   }
   // Value and gradient may say far too much, as where hardly any of the field is left, or too
   // little, as within a groove of stiff blobs, where they tell of a sphere within the other.
   for (const double share : {kSearchSpan * kSearchSpan, kSearchSpan, 1.0, kFarthest}) {
     const std::optional<SignChange> found = search_around(surface, p, share * first_order);
-    if (found) return {found->far, found->distance};
+    if (found) {
+      const Vec3d foot = between(surface, *found);
+      return {foot, norm(foot - p)};
+    }
   }
   return {p, first_order};
 }
