@@ -182,7 +182,27 @@ class Adaptive {
       result.error = std::max(result.error, estimate.largest_distance(surface_, result.mesh));
       log_.jets += result.mesh.triangles.size();
     }
+    if (result.error < HUGE_VAL && crosses_in_floats(result.mesh)) result.error = HUGE_VAL;
     return result;
+  }
+
+  /// Whether triangles cross once positions are rounded to floats, as files of most formats have
+  /// them; not where that moves them by what the tolerance has to do with. Where is put down in
+  /// trouble_.
+  bool crosses_in_floats(const TriangleMesh& mesh) {
+    constexpr double kSmallMove = 1e-3;  // tolerances
+    TriangleMesh rounded = mesh;
+    double most = 0.0;
+    for (Vec3d& p : rounded.positions) {
+      const Vec3d there{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+      most = std::max(most, norm(there - p));
+      p = there;
+    }
+    if (most > kSmallMove * request_.tolerance) return false;
+    const std::vector<Vec3d> places =
+        places_of(find_new_intersections(rounded, 0, kMostPairs), rounded);
+    put_down({}, places);
+    return !places.empty();
   }
 
   /// Refines the mesh where it is too far from the surface, and joins those of some points of the
