@@ -10,6 +10,7 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/both_ways.h"
+#include "polygonize/check.h"
 #include "polygonize/closest_point.h"
 #include "polygonize/improve.h"
 #include "polygonize/insert_points.h"
@@ -191,12 +192,10 @@ class Adaptive {
   /// trouble_.
   bool crosses_in_floats(const TriangleMesh& mesh) {
     constexpr double kSmallMove = 1e-3;  // tolerances
-    TriangleMesh rounded = mesh;
+    const TriangleMesh rounded = rounded_to_float(mesh);
     double most = 0.0;
-    for (Vec3d& p : rounded.positions) {
-      const Vec3d there{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
-      most = std::max(most, norm(there - p));
-      p = there;
+    for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
+      most = std::max(most, norm(rounded.positions[v] - mesh.positions[v]));
     }
     if (most > kSmallMove * request_.tolerance) return false;
     const std::vector<Vec3d> places =
