@@ -116,7 +116,7 @@ Gap gap(const Term& term, const P& primitive, const Vec3d& center, const Vec3d& 
   constexpr double kUlps = 16 * std::numeric_limits<double>::epsilon();
   Gap g;
   if constexpr (std::is_same_v<P, Arc>) {
-    g.distance = distance_to_arc(std::get<ArcFrame<double>>(term.frame), center);
+    g.distance = distance_to_arc(frame_for<Arc>(term), center);
     g.contact = g.distance;
     g.reach = radius;
   } else {

@@ -1,8 +1,13 @@
 #include "libfield/field/compile.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
+#include <span>
 
 #include "libfield/base/check.h"
 #include "libfield/field/field.h"
@@ -24,21 +29,32 @@ class OneMaterial final : public MaterialBlend {
   int material_;
 };
 
-/// The blend group of an element: that of the nearest object around it with a `blend` line.
-struct GroupNames {
-  explicit GroupNames(const Scene& scene) : names(scene.objects.size() + 1, "soft") {
-    int nameless = 0;
+/// The blend groups of elements: that of the nearest object around each with a `blend` line.
+class BlendGroups {
+ public:
+  explicit BlendGroups(const Scene& scene) : names_{"soft"}, groups_(scene.objects.size() + 1, 0) {
+    std::map<std::string, std::size_t> known{{"soft", 0}};
     for (std::size_t i = 0; i < scene.objects.size(); ++i) {
       const Object& object = scene.objects[i];
-      names[i + 1] = !object.blend           ? names[static_cast<std::size_t>(object.parent + 1)]
-                     : object.blend->empty() ? "#" + std::to_string(++nameless)
-                                             : *object.blend;
+      std::size_t& group = groups_[i + 1];
+      group = groups_[static_cast<std::size_t>(object.parent + 1)];
+      if (!object.blend) continue;
+      const bool nameless = object.blend->empty();
+      const std::string name = nameless ? "#" + std::to_string(++nameless_) : *object.blend;
+      group = known.try_emplace(name, names_.size()).first->second;
+      if (group == names_.size()) names_.push_back(name);
     }
   }
-  const std::string& of(const Element& element) const {
-    return names[static_cast<std::size_t>(element.object + 1)];
+  std::size_t count() const { return names_.size(); }
+  const std::string& name(std::size_t group) const { return names_[group]; }
+  std::size_t of(const Element& element) const {
+    return groups_[static_cast<std::size_t>(element.object + 1)];
   }
-  std::vector<std::string> names;  ///< by object index + 1
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::size_t> groups_;  ///< by object index + 1
+  int nameless_ = 0;
 };
 
 /// Squares of coordinates up to here, and products of two of those, stay finite.
@@ -49,6 +65,9 @@ bool reaches_beyond(const Aabb& box, double limit) {
   return beyond(box.min.x) || beyond(box.min.y) || beyond(box.min.z) || beyond(box.max.x) ||
          beyond(box.max.y) || beyond(box.max.z);
 }
+
+/// So many elements are made into terms side by side before they are taken over one by one.
+constexpr std::size_t kWave = 8192, kGrain = 256;
 
 struct Group {
   std::vector<Term> terms;
@@ -61,12 +80,16 @@ struct Group {
 class Compiler {
  public:
   Compiler(const Scene& scene, const CompileOptions& options)
-      : scene_(scene), options_(options), group_names_(scene) {}
+      : scene_(scene), options_(options), blends_(scene), groups_(blends_.count()) {}
 
   Result<CompiledScene> run() {
-    for (const Element& element : scene_.elements) add(element);
+    const std::span elements(scene_.elements);
+    reserve_terms();
+    for (std::size_t first = 0; first < elements.size(); first += kWave) {
+      add_wave(elements.subspan(first, std::min(kWave, elements.size() - first)));
+    }
     if (!errors_.empty()) return Result<CompiledScene>::failure(std::move(errors_));
-    for (const std::string& name : group_order_) finish(name, groups_[name]);
+    for (const std::size_t group : group_order_) finish(blends_.name(group), groups_[group]);
     for (Part& solid : solids_) compiled_.parts.push_back(std::move(solid));
     if (compiled_.parts.empty()) {
       return error_at({scene_.file, 0, 0},
@@ -77,22 +100,40 @@ class Compiler {
   }
 
  private:
-  void add(const Element& element) {
-    if (is_soft(scene_, element) && scene_.soft) {
-      add_soft(element);
-    } else {
-      add_hard(element);
+  bool is_summed(const Element& element) const { return scene_.soft && is_soft(scene_, element); }
+
+  /// Terms are large: a vector of them that grew would write each more than once.
+  void reserve_terms() {
+    std::vector<std::size_t> counts(groups_.size(), 0);
+    for (const Element& element : scene_.elements) {
+      if (is_summed(element)) ++counts[blends_.of(element)];
+    }
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].terms.reserve(counts[i]);
+  }
+
+  void add_wave(std::span<const Element> wave) {
+    std::vector<std::optional<Result<MadeTerms>>> made(wave.size());
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, wave.size(), kGrain),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                          if (is_summed(wave[i])) made[i] = make_terms(scene_, wave[i]);
+                        }
+                      });
+    for (std::size_t i = 0; i < wave.size(); ++i) {
+      if (made[i]) {
+        add_soft(wave[i], *made[i]);
+      } else {
+        add_hard(wave[i]);
+      }
     }
   }
 
-  void add_soft(const Element& element) {
-    Result<MadeTerms> made = make_terms(scene_, element);
+  void add_soft(const Element& element, Result<MadeTerms>& made) {
     if (!keep_remarks(made) || made->terms.empty()) return;
-    const std::string& name = group_names_.of(element);
-    const auto [place, is_new] = groups_.try_emplace(name);
-    Group& group = place->second;
-    if (is_new) {
-      group_order_.push_back(name);
+    const std::size_t index = blends_.of(element);
+    Group& group = groups_[index];
+    if (group.elements == 0) {
+      group_order_.push_back(index);
       group.where = element.where;
       group.thinnest = made->radius;
     }
@@ -165,9 +206,9 @@ class Compiler {
 
   const Scene& scene_;
   const CompileOptions& options_;
-  GroupNames group_names_;
-  std::map<std::string, Group> groups_;
-  std::vector<std::string> group_order_;
+  BlendGroups blends_;
+  std::vector<Group> groups_;
+  std::vector<std::size_t> group_order_;
   std::map<std::string, std::size_t> hard_names_;
   std::vector<Part> solids_;
   CompiledScene compiled_;

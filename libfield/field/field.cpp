@@ -1,5 +1,8 @@
 #include "libfield/field/field.h"
 
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -121,6 +124,20 @@ void add_terms(const FieldData& data, std::span<const std::uint32_t> list,
 
 namespace {
 
+/// The box of each term beyond which it is at most `share`.
+std::vector<Aabb> influence_boxes(std::span<const Term> terms, double share) {
+  constexpr std::size_t kGrain = 512;
+  std::vector<Aabb> boxes(terms.size());
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, terms.size(), kGrain),
+                    [&](const tbb::blocked_range<std::size_t>& range) {
+                      for (std::size_t i = range.begin(); i < range.end(); ++i) {
+                        boxes[i] =
+                            skeleton_box(terms[i]).grown(influence_distance(terms[i], share));
+                      }
+                    });
+  return boxes;
+}
+
 Aabb surface_bounds(const FieldData& data) {
   // Outside the union of the boxes, each positive term stays under its share of T, and those of the
   // far fields together under theirs.
@@ -129,9 +146,9 @@ Aabb surface_bounds(const FieldData& data) {
   const auto positive = static_cast<double>(std::count_if(terms.begin(), terms.end(), is_positive));
   const double share = kThreshold / positive * (1 - 1e-9);
   Aabb box;
-  for (const Term& term : terms.first(data.plain_count)) {
-    if (term.sign < 0) continue;
-    box.include(skeleton_box(term).grown(influence_distance(term, share)));
+  const std::vector<Aabb> boxes = influence_boxes(terms.first(data.plain_count), share);
+  for (std::size_t i = 0; i < boxes.size(); ++i) {
+    if (terms[i].sign > 0) box.include(boxes[i]);
   }
   std::map<double, std::pair<double, double>> mass_and_count;  // by exponent
   Aabb far;
@@ -201,12 +218,7 @@ Field::Field(std::vector<Term> terms, double error_budget) {
 
   const double share = (data->plain_count < data->terms.size() ? 0.5 : 1.0) * error_budget /
                        std::max<double>(1.0, static_cast<double>(data->plain_count));
-  std::vector<Aabb> reach;
-  reach.reserve(data->plain_count);
-  for (const Term& term : std::span(data->terms).first(data->plain_count)) {
-    reach.push_back(skeleton_box(term).grown(influence_distance(term, share)));
-  }
-  data->reach = BoxTree(std::move(reach));
+  data->reach = BoxTree(influence_boxes(std::span(data->terms).first(data->plain_count), share));
   if (data->bounds.finite()) {
     data->lattice.edge = data->bounds.diagonal() / blocks_along_diagonal(data->plain_count);
     data->lattice.domain = data->bounds.grown(data->lattice.edge);

@@ -237,7 +237,8 @@ Result<MadeTerms> make_terms(const Scene& scene, const Element& element) {
   Term term;
   term.profiles = material.profiles;
   term.material = element.material;
-  if (skeleton.polygon) term.chart = std::get<Triangle>(element.skeleton);
+  if (skeleton.polygon)
+    term.chart = std::make_shared<Triangle>(std::get<Triangle>(element.skeleton));
   if (skeleton.cone) {
     const std::optional<StrengthProfile> weight = weight_of(*skeleton.cone, shape);
     if (!weight) {
@@ -267,7 +268,7 @@ Result<MadeTerms> make_terms(const Scene& scene, const Element& element) {
     fold_similarity(skeleton.pieces, shape, map, k);
     made.radius = shape.radius;
   } else {
-    term.to_local = inverse(map);
+    term.to_local = std::make_shared<Affine>(inverse(map));
     made.radius /= stretch_bound(term.to_local->linear);
   }
   made.terms = terms_over(skeleton.pieces, term, shape, strength);

@@ -12,7 +12,9 @@
 namespace cs2mesh {
 namespace {
 
-constexpr std::uint32_t kLeafSize = 64;
+/// A leaf this large holds about as many elements as a series has time to gather: halving it twice
+/// the memory and the time to set up, and no evaluation is faster.
+constexpr std::uint32_t kLeafSize = 128;
 /// The halves of larger nodes are measured side by side.
 constexpr std::uint32_t kParallelSize = 2048;
 

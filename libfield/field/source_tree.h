@@ -59,7 +59,7 @@ struct SourceNode {
   std::uint32_t right = 0;             ///< the child that is not the next node; 0 for a leaf
 };
 
-/// Immutable. Built in O(n log n); some 300 bytes an element, 700 where tau varies.
+/// Immutable. Built in O(n log n); some 250 bytes an element, 500 where tau varies.
 class SourceTree {
  public:
   SourceTree() = default;

@@ -46,7 +46,7 @@ Jet weight_at(const Term& term, const P& primitive, const StrengthProfile& profi
               const Vec3d& local) {
   if constexpr (kHasBulkWeights<typename FrameTypeOf<P>::type>) {
     if (along_alone<P>(profile)) {
-      return weight<double>(profile, std::get<typename FrameTypeOf<P>::type>(term.frame), local);
+      return weight<double>(profile, frame_for<P>(term), local);
     }
   }
   const Uv at = uv(chart_of(term, primitive), local);
@@ -65,7 +65,7 @@ void multiply_by_profiles(const Term& term, const P& primitive, std::span<const 
     if constexpr (kHasBulkWeights<F>) {
       if (local.size() >= kBulkCount && along_alone<P>(profile)) {
         const auto find = std::get<FindWeights<F, Out>>(bulk_table().weight_row<Out>());
-        find(profile, std::get<F>(term.frame), local.data(), weights.data(), local.size());
+        find(profile, frame_for<P>(term), local.data(), weights.data(), local.size());
         for (std::size_t i = 0; i < local.size(); ++i) fields[i] = product(weights[i], fields[i]);
         continue;
       }
@@ -113,7 +113,12 @@ Frame frame_of(const Primitive& primitive) {
   return std::visit(
       [](const auto& p) -> Frame {
         using P = std::decay_t<decltype(p)>;
-        return typename FrameTypeOf<P>::type(p);
+        using F = typename FrameTypeOf<P>::type;
+        if constexpr (std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>) {
+          return std::make_shared<const F>(p);
+        } else {
+          return F(p);
+        }
       },
       primitive);
 }

@@ -3,7 +3,7 @@
 #pragma once
 
 #include <array>
-#include <optional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -18,9 +18,11 @@
 namespace cs2mesh {
 
 /// What the closed forms need of a primitive, computed once; alternatives in the order of
-/// Primitive.
-using Frame = std::variant<Point, SegmentFrame<double>, ArcFrame<double>, TriangleFrame<double>,
-                           Plane, TaperedFrame<double>>;
+/// Primitive. The large ones stand apart, so that a scene of small primitives does not pay for
+/// them.
+using Frame =
+    std::variant<Point, SegmentFrame<double>, std::shared_ptr<const ArcFrame<double>>,
+                 std::shared_ptr<const TriangleFrame<double>>, Plane, TaperedFrame<double>>;
 Frame frame_of(const Primitive& primitive);
 
 /// Kernel and primitive are in scene coordinates, unless `to_local` is set: then in those to which
@@ -29,11 +31,11 @@ struct Term {
   Kernel kernel;
   Primitive primitive;
   Frame frame;  ///< frame_of(primitive)
-  std::optional<Affine> to_local;
+  std::shared_ptr<const Affine> to_local;
   double sign = 1.0;  ///< +1 or -1
   std::vector<StrengthProfile> profiles;
   /// Where the primitive is a piece of a polygon: the triangle whose u and v the profiles take.
-  std::optional<Triangle> chart;
+  std::shared_ptr<const Triangle> chart;
   int material = 0;
 };
 

@@ -54,10 +54,21 @@ struct FrameTypeOf<Triangle> {
   using type = TriangleFrame<double>;
 };
 
+/// The frame of a term over that kind of primitive.
+template <class P>
+const auto& frame_for(const Term& term) {
+  using F = typename FrameTypeOf<P>::type;
+  if constexpr (std::is_same_v<P, Arc> || std::is_same_v<P, Triangle>) {
+    return *std::get<std::shared_ptr<const F>>(term.frame);
+  } else {
+    return std::get<F>(term.frame);
+  }
+}
+
 /// The integral at a point, from the frame where the pair has a closed form that uses it.
 template <class K, class P>
 Jet integral_of(const Term& term, const K& kernel, const P& primitive, const Vec3d& local) {
-  const auto& frame = std::get<typename FrameTypeOf<P>::type>(term.frame);
+  const auto& frame = frame_for<P>(term);
   if constexpr (requires { integral(kernel, frame, local); }) {
     return integral(kernel, frame, local);
   } else {
@@ -81,8 +92,8 @@ void add_triangle_run(const Term& term, const K& kernel, const Triangle& triangl
                       std::span<const Vec3d> points, std::span<Out> sums) {
   std::array<double, 64 + kMostLanes> left{};
   const auto try_all = std::get<TryTriangle<K, Out>>(bulk_table().triangle_row<Out>());
-  try_all(kernel, std::get<TriangleFrame<double>>(term.frame), sign, points.data(), sums.data(),
-          left.data(), points.size());
+  try_all(kernel, frame_for<Triangle>(term), sign, points.data(), sums.data(), left.data(),
+          points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (left[i] == 0.0) continue;
     sums[i] += sign * part_of<Out>(integral_of(term, kernel, triangle, points[i]));
@@ -104,7 +115,7 @@ void add_integrals(const Term& term, const K& kernel, const P& primitive, double
   if constexpr (kHasBulk<K, F>) {
     if (points.size() >= kBulkCount) {
       const auto add = std::get<AddIntegrals<K, F, Out>>(bulk_table().row<Out>());
-      add(kernel, std::get<F>(term.frame), sign, points.data(), sums.data(), points.size());
+      add(kernel, frame_for<P>(term), sign, points.data(), sums.data(), points.size());
       return;
     }
   }

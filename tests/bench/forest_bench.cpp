@@ -1,11 +1,14 @@
 // The cost of an evaluation near the surface of a forest, by the number of its bones: compile time,
-// memory, time a point with the set-up of cells included, and the error against the full sum.
+// memory (the terms and all that is made of them; that of the first line alone, where later ones
+// reuse what it has given back), time a point with the set-up of cells included, and the error
+// against the full sum.
 //
 //     forest_bench [points a bone [bones]]
 
 #include <sys/resource.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
@@ -107,13 +110,15 @@ double worst_error(const Field& field, const std::vector<Vec3d>& points, std::si
 
 void report(KernelKind kind, bool as_points, std::size_t count, std::size_t a_bone, bool apart) {
   const std::vector<Bone> bones = forest(count);
+  const double before = peak_bytes();
   std::vector<Term> terms;
   terms.reserve(bones.size());
   for (const Bone& bone : bones) terms.push_back(term_of(bone, kind, as_points));
-  const double before = peak_bytes();
+  const auto wall_start = std::chrono::steady_clock::now();
   const auto start = processor_seconds();
   const Field field(std::move(terms), 1e-9);
   const double compile = seconds_since(start);
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - wall_start;
   const double bytes = peak_bytes() - before;
 
   // Around 1,000 bones: those of one tree, or here and there.
@@ -136,11 +141,11 @@ void report(KernelKind kind, bool as_points, std::size_t count, std::size_t a_bo
   const double with_gradient = seconds_since(lap);
   const double n = static_cast<double>(points.size());
   const std::size_t checks = std::min<std::size_t>(points.size(), 200'000'000 / count);
-  std::printf("%-8s %-8s %7zu %-8s %8.3f %8.0f %9.0f %9.0f %9.0f   %.1e at %zu\n",
+  std::printf("%-8s %-8s %7zu %-8s %8.3f %8.3f %8.0f %9.0f %9.0f %9.0f   %.1e at %zu\n",
               std::string(name_of(kind)).c_str(), as_points ? "points" : "segments", count,
-              apart ? "apart" : "together", compile, bytes / static_cast<double>(count),
-              1e9 * first / n, 1e9 * again / n, 1e9 * with_gradient / n,
-              worst_error(field, points, checks), checks);
+              apart ? "apart" : "together", compile, wall.count(),
+              bytes / static_cast<double>(count), 1e9 * first / n, 1e9 * again / n,
+              1e9 * with_gradient / n, worst_error(field, points, checks), checks);
   std::fflush(stdout);
 }
 
@@ -151,9 +156,11 @@ int main(int argc, char** argv) {
   using cs2mesh::KernelKind;
   const std::size_t a_bone = argc > 1 ? std::strtoul(argv[1], nullptr, 10) : 100;
   const std::size_t only = argc > 2 ? std::strtoul(argv[2], nullptr, 10) : 0;
-  std::printf("kernel   shape      bones places    compile   bytes/   ns/point: values   again,\n");
   std::printf(
-      "                                          s     bone  with set-up    again    jets"
+      "kernel   shape      bones places    compile, elapsed,  bytes/   ns/point: values   "
+      "again,\n");
+  std::printf(
+      "                                      cpu s        s     bone  with set-up    again    jets"
       "   error / T\n");
   for (const bool apart : {false, true}) {
     for (const KernelKind kind : {KernelKind::cauchy, KernelKind::gaussian}) {

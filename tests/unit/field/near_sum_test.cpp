@@ -41,9 +41,9 @@ struct Mixture {
       terms.push_back(random_term(random, kind));
       if (round % 4 == 1 && i % 3 == 1) terms.back().sign = -1;
       if (round % 5 == 2) {
-        terms.back().to_local =
+        terms.back().to_local = std::make_shared<Affine>(
             Affine::rotate(random.direction(), random.uniform(0, 90)) *
-            Affine::scale({random.uniform(0.5, 2), random.uniform(0.5, 2), 1.0});
+            Affine::scale({random.uniform(0.5, 2), random.uniform(0.5, 2), 1.0}));
       }
     }
   }

@@ -23,7 +23,7 @@ TEST(Pieces, AddUpToTheTerm) {
     term.primitive = testing::random_primitive(random, 1 + random.bits() % 3, 1.0);
     term.frame = frame_of(term.primitive);
     if (round % 5 == 0) term.sign = -1;
-    if (round % 3 == 0) term.to_local = Affine::scale({2.0, 0.5, 1.0});
+    if (round % 3 == 0) term.to_local = std::make_shared<Affine>(Affine::scale({2.0, 0.5, 1.0}));
     ASSERT_TRUE(can_be_halved(term));
     const auto [first, second] = halves(term);
     const Vec3d p = testing::random_near(random, term.primitive, 1.0, 1.0);

@@ -80,7 +80,7 @@ TEST(SecondJet, OfTermsWithProfilesAndTransformationsAreTheirGradientsSlopes) {
         Term term = plain_term(make_kernel(kind, 1.3, 0.7, -0.3, 0.0), primitive);
         term.sign = -1.0;
         term.profiles = {wave, slope};
-        if (transformed) term.to_local = shear;
+        if (transformed) term.to_local = std::make_shared<Affine>(shear);
         Random random(5, primitive.index());
         const auto gradient = [&](const Vec3d& at) {
           Jet jet;

@@ -27,9 +27,10 @@ Term random_term(Random& random, KernelKind kind, std::size_t primitive, bool tr
   term.primitive = testing::random_primitive(random, primitive, 1.0);
   term.frame = frame_of(term.primitive);
   if (transformed) {
-    term.to_local = Affine::translate(0.3 * random.direction()) *
-                    Affine::rotate(random.direction(), random.uniform(0, 360)) *
-                    Affine::scale({random.uniform(0.5, 2), random.uniform(0.5, 2), -1.0});
+    term.to_local = std::make_shared<Affine>(
+        Affine::translate(0.3 * random.direction()) *
+        Affine::rotate(random.direction(), random.uniform(0, 360)) *
+        Affine::scale({random.uniform(0.5, 2), random.uniform(0.5, 2), -1.0}));
   }
   return term;
 }

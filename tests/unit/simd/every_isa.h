@@ -23,7 +23,7 @@ void with_every_isa(const Test& test) {
 }
 
 inline Term plain_term(const Kernel& kernel, const Primitive& primitive) {
-  return {kernel, primitive, frame_of(primitive), {}, 1.0, {}, std::nullopt, 0};
+  return {kernel, primitive, frame_of(primitive), {}, 1.0, {}, {}, 0};
 }
 
 /// The field at one point as a scene's field evaluates it.
