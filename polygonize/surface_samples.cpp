@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "libfield/base/random.h"
 #include "polygonize/edge_root.h"
@@ -16,8 +18,10 @@ namespace {
 /// plane that cuts it, times the share of blocks that truly hold surface.
 constexpr double kCrossingsPerSquare = 0.9;
 constexpr int kMostHalvings = 20;
-/// The longest last Newton step, in edges, after which a root is trusted; its error is the square.
-constexpr double kLastStep = 1e-3;
+/// Newton steps along an edge before its root is left to bracketing.
+constexpr int kNewtonSteps = 4;
+/// The longest step, in edges, that is left out at the end.
+constexpr double kResolution = 1e-10;
 /// Blocks that have a restriction of their own; smaller ones share that of the block they came
 /// from, so that memory stays small.
 constexpr std::size_t kMostRestrictions = 8000;
@@ -94,6 +98,43 @@ void replace_by_bracketing(const SurfaceBlock& block, const std::vector<Vec3d>& 
   EdgeRootCounts counts;
   find_roots(*block.surface, edges, exact, counts);
   for (std::size_t k = 0; k < found.size(); ++k) roots[found[k]] = exact[k];
+}
+
+/// Moves the roots along their edges by Newton's method. The edges for which that fails, in order.
+std::vector<std::size_t> move_by_newton(
+    const SurfaceBlock& block, const std::vector<Vec3d>& points,
+    const std::vector<std::pair<std::size_t, std::size_t>>& crossed, std::vector<Vec3d>& roots) {
+  std::vector<std::size_t> open(roots.size()), hard;
+  std::iota(open.begin(), open.end(), std::size_t{0});
+  std::vector<double> last_change(roots.size(), 1.0);
+  for (int step = 0; step < kNewtonSteps && !open.empty(); ++step) {
+    std::vector<Vec3d> at;
+    for (const std::size_t e : open) at.push_back(roots[e]);
+    std::vector<Jet> jets(at.size());
+    block.surface->jets(at, jets);
+    std::vector<std::size_t> still;
+    for (std::size_t k = 0; k < open.size(); ++k) {
+      const std::size_t e = open[k];
+      const Vec3d way = points[crossed[e].second] - points[crossed[e].first];
+      const double change = -jets[k].value / dot(jets[k].gradient, way);
+      const double shrinking = std::abs(change) / last_change[e];
+      const Vec3d next = roots[e] + change * way;
+      if (!(shrinking < 0.5 && block.box.contains(next))) {
+        hard.push_back(e);  // short steps alone tell nothing: where F falls like exp(-t) all are
+        continue;
+      }
+      roots[e] = next;
+      last_change[e] = std::abs(change);
+      // Steps of a method that converges quadratically shrink by c, c^2, c^4 ...; the first one does
+      // not tell by what.
+      const double next_change = std::abs(change) * shrinking * shrinking;
+      if (step == 0 || !(next_change <= kResolution)) still.push_back(e);
+    }
+    open = std::move(still);
+  }
+  hard.insert(hard.end(), open.begin(), open.end());
+  std::sort(hard.begin(), hard.end());
+  return hard;
 }
 
 }  // namespace
@@ -173,31 +214,12 @@ void append_crossings(const SurfaceBlock& block, int cells, std::vector<Vec3d>& 
   }
   if (crossed.empty()) return;
 
-  // Newton's method along the edges, from where the values' chord crosses 0.
+  // From where the values' chord crosses 0.
   std::vector<Vec3d> roots;
-  std::vector<Vec3d> ways;
   for (const auto& [a, b] : crossed) {
-    ways.push_back(points[b] - points[a]);
-    roots.push_back(points[a] + (values[a] / (values[a] - values[b])) * ways.back());
+    roots.push_back(points[a] + (values[a] / (values[a] - values[b])) * (points[b] - points[a]));
   }
-  std::vector<Jet> jets(roots.size());
-  std::vector<std::size_t> hard;
-  constexpr int kSteps = 2;
-  for (int step = 0; step < kSteps; ++step) {
-    block.surface->jets(roots, jets);
-    for (std::size_t e = 0; e < roots.size(); ++e) {
-      const double slope = dot(jets[e].gradient, ways[e]);
-      const double change = -jets[e].value / slope;
-      const Vec3d next = roots[e] + change * ways[e];
-      const bool last = step + 1 == kSteps;
-      // The error after a step is about its square.
-      const bool good = std::abs(change) < (last ? kLastStep : 0.5) && block.box.contains(next);
-      if (good) roots[e] = next;
-      if (!good && (hard.empty() || hard.back() != e)) hard.push_back(e);
-    }
-  }
-  std::sort(hard.begin(), hard.end());
-  hard.erase(std::unique(hard.begin(), hard.end()), hard.end());
+  const std::vector<std::size_t> hard = move_by_newton(block, points, crossed, roots);
   replace_by_bracketing(block, points, crossed, hard, roots);
   out.insert(out.end(), roots.begin(), roots.end());
 }

@@ -32,7 +32,7 @@ inline constexpr int kMostCellsPerBlock = 6;
 int cells_per_block(std::size_t blocks, std::size_t samples);
 
 /// Appends the crossings of the surface with the lattice lines of the block, `cells` along each
-/// edge of it: points of the surface, to about 1e-6 of a cell and mostly far better. Two crossings
+/// edge of it: points of the surface, to about 1e-10 of a cell or the rounding of F. Two crossings
 /// between neighbouring nodes are missed.
 void append_crossings(const SurfaceBlock& block, int cells, std::vector<Vec3d>& out);
 

@@ -76,6 +76,12 @@ class Search {
   void divide(const Piece& piece, double t);
   double place_to_divide(const Piece& piece) const;
 
+  /// Takes in a lower bound of F along the ray, if it is the first.
+  void set_scale(double lower) {
+    if (scaled_ || !std::isfinite(lower) || lower == 0.0) return;
+    scale_ = std::abs(lower);
+    scaled_ = true;
+  }
   void evaluate(Node& node);
   void evaluate_ends(Piece& piece);
   Interval enclose(const Aabb& box);
@@ -83,15 +89,20 @@ class Search {
   Aabb box_of(const Piece& piece) const;
   RayHit polish(Piece bracket);
 
-  /// A value this near to 0 has no certain sign.
-  double noise() const { return 64.0 * kEpsilon * scale_ + options_.value_error; }
+  /// A value there this near to 0 has no certain sign. What F is elsewhere does not matter: deep
+  /// inside a stiff field it may be 1e300.
+  double noise(const Node& node) const {
+    const double own = std::isfinite(node.f.value) ? std::abs(node.f.value) : 0.0;
+    return 64.0 * kEpsilon * (scale_ + own) + options_.value_error;
+  }
+  double noise(const Piece& piece) const { return std::max(noise(piece.a), noise(piece.b)); }
   /// How far the rounded position may be from the exact one.
   double position_error(double t) const {
     const Vec3d& o = ray_.origin;
     return 4.0 * kEpsilon * (std::max({std::abs(o.x), std::abs(o.y), std::abs(o.z)}) + std::abs(t));
   }
   double shortest(double t) const { return std::max(accuracy_, 4.0 * position_error(t)); }
-  bool is_undecided(const Node& node) const { return std::abs(node.f.value) <= noise(); }
+  bool is_undecided(const Node& node) const { return std::abs(node.f.value) <= noise(node); }
   bool spent() const {
     return cost_.jets + cost_.bounds - start_ >
            static_cast<std::uint64_t>(options_.max_evaluations);
@@ -105,7 +116,8 @@ class Search {
   std::uint64_t start_ = 0;
   double t0_ = 0.0, t1_ = 0.0;  // the range after clipping
   double accuracy_ = 0.0;
-  double scale_ = 0.0;  // largest |F| met
+  double scale_ = 0.0;  // of what F is summed from where it is 0: |lower bound of F|, else |F| met
+  bool scaled_ = false;
 
   std::vector<Piece> stack_;  // still to be settled, the nearest on top
   std::size_t tallest_ = kDeepest;
@@ -120,7 +132,7 @@ void Search::evaluate(Node& node) {
   const Jet jet = surface_.jet(ray_.at(node.t));
   node.f = {jet.value, dot(jet.gradient, ray_.direction)};
   node.known = true;
-  if (std::isfinite(jet.value)) scale_ = std::max(scale_, std::abs(jet.value));
+  if (!scaled_ && std::isfinite(jet.value)) scale_ = std::max(scale_, std::abs(jet.value));
 }
 
 void Search::evaluate_ends(Piece& piece) {
@@ -131,7 +143,7 @@ void Search::evaluate_ends(Piece& piece) {
   if (is_undecided(piece.b)) {
     // A division fell on a root: step back to where F has a sign, if that is near.
     const double step =
-        std::max(8.0 * noise() / std::abs(piece.b.f.slope), shortest(piece.b.t) / 16.0);
+        std::max(8.0 * noise(piece.b) / std::abs(piece.b.f.slope), shortest(piece.b.t) / 16.0);
     if (step < piece.h() / 16.0) {
       piece.b = {piece.b.t - step, {}, false};
       evaluate(piece.b);
@@ -207,7 +219,7 @@ void Search::settle(Piece piece) {
 void Search::settle_unknown(Piece& piece) {
   const Aabb box = box_of(piece);
   const Interval range = enclose(box);
-  if (scale_ == 0.0 && std::isfinite(range.lo)) scale_ = std::abs(range.lo);
+  set_scale(range.lo);
   if (range.lo > options_.value_error || range.hi < -options_.value_error) {
     return flush_undecided();
   }
@@ -230,7 +242,7 @@ bool Search::settle_from_ends(const Piece& piece) {
   const bool undecided_a = piece.a.t > t0_ && is_undecided(piece.a);
   const bool undecided_b = piece.b.t < t1_ && is_undecided(piece.b);
   const double sag = bound.second_order() ? bound.M * h * h / 8.0 : bound.slope.magnitude() * h;
-  if (undecided_a && undecided_b && sag <= noise()) {
+  if (undecided_a && undecided_b && sag <= noise(piece)) {
     // All of F here is rounding; smaller pieces would tell no more.
     add_undecided(piece);
     return true;
@@ -251,7 +263,7 @@ bool Search::settle_from_ends(const Piece& piece) {
   const Interval slope = sign > 0.0 ? bound.slope : -bound.slope;
   const double least =
       bound.second_order() ? least_value(ua, ub, h, bound.M) : least_value(ua, ub, h, slope);
-  if (!(least > noise())) return false;
+  if (!(least > noise(piece))) return false;
   flush_undecided();
   return true;
 }
@@ -286,8 +298,8 @@ double Search::place_to_divide(const Piece& piece) const {
   double hi = h;
   // Leave out what each end alone excludes.
   if (bound.second_order()) {
-    lo = certain_reach(ua, noise(), bound.M);
-    hi = h - certain_reach({ub.value, -ub.slope}, noise(), bound.M);
+    lo = certain_reach(ua, noise(piece.a), bound.M);
+    hi = h - certain_reach({ub.value, -ub.slope}, noise(piece.b), bound.M);
   }
   double x = lo < hi ? 0.5 * (lo + hi) : 0.5 * h;
   if (sign_a == sign_b) {
@@ -333,7 +345,7 @@ RayHit Search::polish(Piece bracket) {
   for (int step = 0; step < 200 && !spent(); ++step) {
     // How far the root can be from the best node: |t - t*| <= (|F| + noise) / least |F'|.
     const double goal = shortest(best.t);
-    const double residual = std::abs(best.f.value) + noise();
+    const double residual = std::abs(best.f.value) + noise(best);
     double sigma = slope_floor();
     double error = std::min(bracket.h(), residual / sigma);
     if (bound.second_order()) {
@@ -344,13 +356,13 @@ RayHit Search::polish(Piece bracket) {
     // A Newton step without another evaluation is off by M error^2 / 2 |F'| at most.
     if (bound.second_order() && best.f.slope != 0.0) {
       const double after =
-          (0.5 * bound.M * error * error + noise() + 1e-12 * residual) / std::abs(best.f.slope);
+          (0.5 * bound.M * error * error + noise(best) + 1e-12 * residual) / std::abs(best.f.slope);
       if (after < hit.t_error) {
         const double t = best.t - best.f.value / best.f.slope;
         hit = {std::clamp(t, bracket.a.t, bracket.b.t), after, RayStatus::hit, hit.entering};
       }
     }
-    if (hit.t_error <= goal || std::abs(best.f.value) <= noise() || bracket.h() <= goal) break;
+    if (hit.t_error <= goal || is_undecided(best) || bracket.h() <= goal) break;
 
     // The next place: inverse interpolation, else Newton, else the middle; and the middle in every
     // other step once convergence is slow, so that 200 steps are always enough.
@@ -430,7 +442,7 @@ void Search::stack_pieces() {
     stack_.push_back(whole);
     return;
   }
-  scale_ = tree_->scale();
+  set_scale(-tree_->scale());
   std::vector<BoundTree::Stretch> stretches;
   tree_->walk(ray_, {t0_, t1_}, stretches);
   for (std::size_t i = stretches.size(); i-- > 0;) {

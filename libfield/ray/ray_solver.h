@@ -52,10 +52,11 @@ struct RayCost {
 /// certain hit is returned instead of it; to look further, ask again from t + t_error on.
 ///
 /// What is certain rests on the surface's enclose, enclose_gradient and derivative_bound, which are
-/// trusted, and on an allowance of 64 units of rounding of the largest |F| met. A root within
-/// rounding of t0 or t1 may be counted or not. t1 may be infinite, and t0 = -infinity; where
-/// neither the range nor bounds() ends the ray, the verdict is uncertain with infinite t_error.
-/// Throws ContractViolation if the direction is not a unit vector or a number is NaN.
+/// trusted, and on an allowance of 64 units of rounding of |F| at a place plus |lower bound of F|
+/// over the ray, a measure of the terms that cancel where F is 0. A root within rounding of t0 or
+/// t1 may be counted or not. t1 may be infinite, and t0 = -infinity; where neither the range nor
+/// bounds() ends the ray, the verdict is uncertain with infinite t_error. Throws ContractViolation
+/// if the direction is not a unit vector or a number is NaN.
 RayHit first_hit(const ImplicitSurface& surface, const Ray& ray, double t0, double t1,
                  const RaySolverOptions& options = {}, RayCost* cost = nullptr);
 

@@ -96,30 +96,6 @@ TEST(Projection, InfiniteWithoutSurface) {
   EXPECT_EQ(found[1].distance, kInfinity);
 }
 
-TEST(SurfaceSamples, BlocksHoldAllOfTheSurface) {
-  const Surface<Torus> torus;
-  const std::vector<SurfaceBlock> blocks = surface_blocks(torus, torus.bounds(), 20000, 3);
-  Random random(1);
-  for (int i = 0; i < 3000; ++i) {
-    const double a = random.uniform(0, 2 * std::numbers::pi);
-    const double b = random.uniform(0, 2 * std::numbers::pi);
-    const double r = 1 + 0.3 * std::cos(b);
-    const Vec3d p{r * std::cos(a), r * std::sin(a), 0.3 * std::sin(b)};
-    const bool covered = std::any_of(blocks.begin(), blocks.end(), [&](const SurfaceBlock& block) {
-      return block.box.distance(p) < 1e-12;
-    });
-    EXPECT_TRUE(covered);
-  }
-  std::vector<Vec3d> points;
-  const int cells = cells_per_block(blocks.size(), 20000);
-  for (const SurfaceBlock& block : blocks) append_crossings(block, cells, points);
-  EXPECT_GT(points.size(), 10000u);
-  EXPECT_LT(points.size(), 40000u);
-  for (const Vec3d& p : points) {
-    EXPECT_NEAR(std::hypot(std::hypot(p.x, p.y) - 1, p.z), 0.3, 1e-8);
-  }
-}
-
 TEST(Metrology, SphereByAnOctahedron) {
   // Nearest and farthest points are known: vertices on the surface, centroids of faces farthest.
   const Surface<Sphere> sphere;

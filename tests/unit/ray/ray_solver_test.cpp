@@ -8,6 +8,7 @@
 
 #include "libfield/base/check.h"
 #include "libfield/base/random.h"
+#include "libfield/field/field.h"
 #include "libfield/ray/bound_tree.h"
 #include "tests/unit/ray/analytic_surfaces.h"
 
@@ -174,6 +175,33 @@ TEST(RaySolver, StartsInsideAndOnTheSurface) {
   EXPECT_NEAR(through.t, 2.0, 1e-9);
   // Inside up to the end of the range.
   EXPECT_EQ(first_hit(sphere, {{0, 0, 0}, {1, 0, 0}}, 0.0, 0.5).status, RayStatus::miss);
+}
+
+TEST(RaySolver, ValuesDeepInsideDoNotBlurTheSurface) {
+  // Two balls, F = 1e170 in their middles; 64 units of rounding of that are more than F is near 1.
+  std::vector<Term> terms(2);
+  for (Term& term : terms) term.kernel = Gaussian{std::sqrt(400.0), 400.0};
+  terms[0].primitive = Point{{-1.5, 0, 0}};
+  terms[1].primitive = Point{{1.5, 0, 0}};
+  for (Term& term : terms) term.frame = frame_of(term.primitive);
+  const Field balls(std::move(terms), 1e-9);
+  const BoundTree tree(balls, 5000);
+  for (const double y : {0.0, 0.3, 0.9}) {
+    const Ray ray{{-6, y, 0}, {1, 0, 0}};
+    std::vector<RayHit> alone, by_tree;
+    all_hits(balls, ray, 0.0, 12.0, {}, alone);
+    all_hits(tree, ray, 0.0, 12.0, {}, by_tree);
+    const double half = std::sqrt(1.0 - y * y);
+    const std::vector<double> right = {4.5 - half, 4.5 + half, 7.5 - half, 7.5 + half};
+    for (const std::vector<RayHit>& hits : {alone, by_tree}) {
+      ASSERT_EQ(hits.size(), 4u) << y;
+      for (std::size_t k = 0; k < 4; ++k) {
+        EXPECT_EQ(hits[k].status, RayStatus::hit);
+        EXPECT_NEAR(hits[k].t, right[k], hits[k].t_error + 1e-12);
+        EXPECT_LT(hits[k].t_error, 2e-9);
+      }
+    }
+  }
 }
 
 TEST(RaySolver, SeparatesTwoNearbyRoots) {
