@@ -125,8 +125,8 @@ std::vector<std::size_t> move_by_newton(
       }
       roots[e] = next;
       last_change[e] = std::abs(change);
-      // Steps of a method that converges quadratically shrink by c, c^2, c^4 ...; the first one does
-      // not tell by what.
+      // Steps of a method that converges quadratically shrink by c, c^2, c^4 ...; the first of them
+      // does not tell by what.
       const double next_change = std::abs(change) * shrinking * shrinking;
       if (step == 0 || !(next_change <= kResolution)) still.push_back(e);
     }
