@@ -2,15 +2,17 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "libfield/base/check.h"
+#include "polygonize/balanced_heights.h"
 #include "polygonize/collapse_crossings.h"
 #include "polygonize/editable_mesh.h"
 #include "polygonize/leaf_jets.h"
 #include "polygonize/measured_triangle.h"
+#include "polygonize/near_root.h"
 #include "polygonize/points_half_way.h"
 #include "polygonize/sagitta.h"
 #include "polygonize/shape_operator.h"
@@ -21,7 +23,7 @@ namespace cs2mesh {
 namespace {
 
 using Index = TriangleMesh::Index;
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
+constexpr double kInfinity = HUGE_VAL;
 
 class Remesher {
  public:
@@ -76,27 +78,16 @@ class Remesher {
   void settle() {
     constexpr int kMostSteps = 12;
     find_used();
-    project(kMostSteps);
+    search(project(kMostSteps));
     unfold();
     if (options_.balance) balance();
   }
 
-  /// Moves vertices off the surface so that it is as far above triangles as below: as far as the
-  /// triangle at each asks for that asks for most.
   void balance() {
     constexpr double kMost = 0.9;  // of the tolerance
-    const double most = kMost * options_.tolerance;
-    std::vector<double> up(normals_.size(), 0.0), down(normals_.size(), 0.0);
-    for (const auto& t : mesh_.mesh().triangles) {
-      if (t[0] == t[1]) continue;
-      const auto [low, high] = range_of(t[0], t[1], t[2]);
-      for (const Index v : t) {
-        up[v] = std::clamp(0.5 * (low + high), up[v], most);
-        down[v] = std::clamp(0.5 * (low + high), -most, down[v]);
-      }
-    }
+    const auto heights = balanced_heights(mesh_.mesh(), normals_, kMost * options_.tolerance);
     for (Index v = 0; v < normals_.size(); ++v) {
-      if (used_[v]) mesh_.move_vertex(v, position(v) + (up[v] + down[v]) * normals_[v]);
+      if (used_[v]) mesh_.move_vertex(v, position(v) + heights[v] * normals_[v]);
     }
   }
 
@@ -173,9 +164,9 @@ class Remesher {
     leaf_jets(surface_, tree_, leaves, points, jets);
   }
 
-  /// Brings vertices to the surface along the gradient and takes its direction there, in at most so
-  /// many steps.
-  void project(int steps) {
+  /// Brings vertices to the surface along the gradient and takes its direction there; returns those
+  /// that are still on their way after so many steps.
+  std::vector<Index> project(int steps) {
     constexpr double kThere = 1e-7;  // of the cell; the last step squares that
     std::vector<Index> open;
     for (const Index v : order_) {
@@ -196,6 +187,20 @@ class Remesher {
       }
       open.resize(kept);
     }
+    return open;
+  }
+
+  /// Vertices that swing to and fro, as beside a kink: to a change of sign on their line.
+  void search(const std::vector<Index>& open) {
+    std::vector<RootQuery> lines;
+    for (const Index v : open)
+      lines.push_back({position(v), normals_[v], last_step_[v], side_at(v)});
+    std::vector<std::optional<Vec3d>> roots(lines.size());
+    find_near_roots(surface_, lines, roots);
+    for (std::size_t i = 0; i < roots.size(); ++i) {
+      if (roots[i]) mesh_.move_vertex(open[i], *roots[i]);
+    }
+    if (!open.empty()) project(1);
   }
 
   /// Puts a vertex where the jet at `point` says that the surface is; returns the length of the

@@ -99,6 +99,24 @@ TEST(Remesh, BalancedASphereTakesHalfOfThatAndIsNearOnBothSides) {
     EXPECT_NEAR(norm(p), 1.0 + 0.5 * tolerance, 0.5 * tolerance);
 }
 
+/// A ball of the radius sqrt(0.999) whose F has a kink just outside: 200 times as steep within.
+struct Walled {
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    const T depth = ball(p, {}, 1.0);
+    return larger(depth - T(0.1), (depth - T(0.001)) * T(200.0));
+  }
+  Aabb bounds() const { return cube(1.0); }
+};
+
+TEST(Remesh, VerticesEndOnTheSurfaceBesideAKink) {
+  const Surface<Walled> ball;
+  RemeshStatistics log;
+  const TriangleMesh mesh = remeshed(ball, 0.02, log);
+  EXPECT_GT(mesh.triangles.size(), 100U);
+  for (const Vec3d& p : mesh.positions) EXPECT_NEAR(norm(p), std::sqrt(0.999), 1e-9);
+}
+
 TEST(Remesh, TrianglesOfATorusFollowItsCurvatureWithoutGettingThin) {
   const Surface<Torus> torus;
   RemeshStatistics log;
