@@ -230,7 +230,7 @@ class Measurement {
       const Vec3d& p = points[static_cast<std::size_t>(farthest - nearest.begin())];
       double found = farthest->distance;
       for (const ImplicitSurface* surface : surfaces_) {
-        const std::optional<SignChange> nearer = search_around(*surface, p, found);
+        const std::optional<SignChange> nearer = search_around(*surface, p, found, true);
         if (nearer) found = std::min(found, nearer->distance);
       }
       if (!(found < 0.99 * farthest->distance)) return;

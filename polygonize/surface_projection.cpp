@@ -1,5 +1,6 @@
 #include "polygonize/surface_projection.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
@@ -317,16 +318,60 @@ void project(const ImplicitSurface& surface, std::span<const Vec3d> points, doub
 /// Of the smallest sphere that search_around() looks at and the largest.
 constexpr double kSearchSpan = 1.0 / 32;
 
-std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
-                                        double farthest) {
-  constexpr int kSpheres = 11;
+namespace {
+
+/// The change of sign on the way from p to q, which lie on different sides.
+SignChange narrowed(const ImplicitSurface& surface, const Vec3d& p, const Vec3d& q, bool side) {
   constexpr int kHalvings = 8;
+  const auto at = [&](double t) { return p + t * (q - p); };
+  double lo = 0, hi = 1;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (lo + hi);
+    (inside(surface.value(at(middle))) == side ? lo : hi) = middle;
+  }
+  return SignChange{hi * norm(q - p), at(lo), at(hi)};
+}
+
+/// From q on, along the sphere about p, towards the other side: a place there, if F gets that far.
+std::optional<Vec3d> climb(const ImplicitSurface& surface, const Vec3d& p, Vec3d q, bool side) {
+  constexpr int kMostSteps = 12;
+  const double uphill = side ? -1 : 1;
+  double turn = 0.4;  // radians
+  Jet jet = surface.jet(q);
+  for (int step = 0; step < kMostSteps; ++step) {
+    const Vec3d out = q - p;
+    const double radius = norm(out);
+    const Vec3d along = uphill * (jet.gradient - dot(jet.gradient, out) / (radius * radius) * out);
+    const double length = norm_of_any(along);
+    if (!(length > 0)) return std::nullopt;
+    const Vec3d turned = out + (turn * radius / length) * along;
+    const Vec3d next = p + (radius / norm(turned)) * turned;
+    const Jet there = surface.jet(next);
+    if (inside(there.value) != side) return next;
+    if (uphill * there.value > uphill * jet.value) {
+      q = next;
+      jet = there;
+    } else {
+      turn *= 0.5;
+    }
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
+                                        double farthest, bool closely) {
+  constexpr int kSpheres = 11, kCloseSpheres = 13;
+  constexpr int kFirstHalf = 8;  // the sphere of half the size; closely, more follow
+  constexpr double kQuarterOctave = 1.189207115002721;
   const auto near = surface.restrict_to(Aabb{p, p}.grown(farthest * (1 + 1e-9)));
   const bool side = inside(near->value(p));
   std::vector<Vec3d> points;
   std::vector<double> values;
   double radius = kSearchSpan * farthest;
-  for (int sphere = 0; sphere < kSpheres; ++sphere, radius *= std::numbers::sqrt2) {
+  for (int sphere = 0; sphere < (closely ? kCloseSpheres : kSpheres); ++sphere) {
+    if (sphere > 0) radius *= closely && sphere > kFirstHalf ? kQuarterOctave : std::numbers::sqrt2;
     points.clear();
     for (int i = 0; i < 27; ++i) {
       const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
@@ -335,16 +380,21 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
     }
     values.resize(points.size());
     near->values(points, values);
-    for (std::size_t i = 0; i < points.size(); ++i) {
-      if (inside(values[i]) == side) continue;
-      const auto at = [&](double t) { return p + t * (points[i] - p); };
-      double lo = 0, hi = 1;
-      for (int k = 0; k < kHalvings; ++k) {
-        const double middle = 0.5 * (lo + hi);
-        (inside(near->value(at(middle))) == side ? lo : hi) = middle;
-      }
-      return SignChange{hi * radius, at(lo), at(hi)};
+    std::optional<SignChange> nearest;
+    const auto take = [&](const Vec3d& q) {
+      const SignChange found = narrowed(*near, p, q, side);
+      if (!nearest || found.distance < nearest->distance) nearest = found;
+    };
+    for (std::size_t i = 0; i < points.size() && (closely || !nearest); ++i) {
+      if (inside(values[i]) != side) take(points[i]);
     }
+    if (closely && !nearest) {
+      const auto [lowest, highest] = std::minmax_element(values.begin(), values.end());
+      const auto first = (side ? lowest : highest) - values.begin();
+      const auto found = climb(*near, p, points[static_cast<std::size_t>(first)], side);
+      if (found) take(*found);
+    }
+    if (nearest) return nearest;
   }
   return std::nullopt;
 }

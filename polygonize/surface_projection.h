@@ -39,9 +39,10 @@ struct SignChange {
 
 /// The nearest of the sign changes met along axes and diagonals on growing spheres about `p`, from
 /// farthest / 32 to `farthest`: its distance is an upper bound of that of the surface. For places
-/// where F has walls, from which no gradient points at the surface; up to some 300 values.
+/// where F has walls, from which no gradient points at the surface; up to some 300 values. Closely:
+/// also where F leads along each sphere, for tips between those lines; up to some 140 jets more.
 std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
-                                        double farthest);
+                                        double farthest, bool closely = false);
 
 /// A point of the surface near `p`, from which `first_order` is the distance to judge by value and
 /// gradient: Newton's method along the gradient may run past a wall that is nearer, so that and a

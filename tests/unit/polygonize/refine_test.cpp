@@ -72,8 +72,8 @@ TEST(Refine, BringsASphereWithinToleranceWithItsVerticesOnIt) {
 
 TEST(Refine, TellsWhatItsLastRoundLeftTooFar) {
   RefineStatistics statistics;
-  const TriangleMesh mesh =
-      refine(Surface<Sphere>{}, bare_sphere(1), {.tolerance = 1e-4, .most_rounds = 1}, &statistics);
+  const TriangleMesh mesh = refine(Surface<Sphere>{}, test::bare_sphere({}, 1, 1),
+                                   {.tolerance = 1e-4, .most_rounds = 1}, &statistics);
   EXPECT_EQ(statistics.rounds, 1);
   ASSERT_GT(largest_error(Surface<Sphere>{}, mesh), 1e-2);
   double farthest = 0;

@@ -7,6 +7,7 @@
 
 #include "libfield/field/field.h"
 #include "polygonize/triangle_sample.h"
+#include "tests/unit/polygonize/analytic_surfaces.h"
 
 namespace cs2mesh {
 namespace {
@@ -44,6 +45,20 @@ TEST(FindFoot, LooksAroundWhereThereIsNoGradient) {
   ASSERT_EQ(norm(field.jet(p).gradient), 0.0);
   const Foot foot = find_foot(field, p, 100.0);
   EXPECT_LT(foot.distance, 0.12);
+}
+
+TEST(SearchAround, CloselyFindsABallBetweenItsLines) {
+  // 23 degrees and more off all axes and diagonals; seen from the origin it is 13 degrees wide.
+  const Vec3d direction = normalized(Vec3d{1, 0.5, 0.27});
+  const analytic::Surface<analytic::Sphere> ball(analytic::Sphere{1.3 * direction, 0.3});
+  EXPECT_FALSE(search_around(ball, {0, 0, 0}, 1.2));
+  const auto found = search_around(ball, {0, 0, 0}, 1.2, true);
+  ASSERT_TRUE(found);
+  EXPECT_GE(found->distance, 1.0);
+  EXPECT_LT(found->distance, 1.1);
+  EXPECT_LE(ball.value(found->near), 0.0);
+  EXPECT_GE(ball.value(found->far), 0.0);
+  EXPECT_FALSE(search_around(ball, {0, 0, 0}, 0.99, true));
 }
 
 TEST(FirstOrderDistance, IsNotZeroDeepInsideAStiffField) {
