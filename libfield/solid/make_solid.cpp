@@ -108,6 +108,7 @@ MadeSolid make_cone(const Placement& placement, const Segment& axis, const ConeR
     made.surface = std::make_shared<Offset>(middle, larger, placement.to_local);
   }
   made.radius = 0.5 * larger;
+  if (!rounded) made.radius = std::min(made.radius, 0.5 * norm(axis.b - axis.a));
   if (placement.to_local) made.radius /= stretch_bound(placement.to_local->linear);
   made.creased = !rounded;
   return made;
@@ -151,6 +152,7 @@ bool is_point_like(const Primitive& primitive, double radius) {
 MadeSolid thick(const Placement& placement, const Polygon& polygon, double radius) {
   MadeSolid made;
   made.surface = std::make_shared<Offset>(polygon, radius, placement.to_local);
+  made.radius = placement.to_local ? radius / stretch_bound(placement.to_local->linear) : radius;
   made.creased = !is_convex(polygon);
   return made;
 }
@@ -159,6 +161,7 @@ MadeSolid thick(const Placement& placement, const Polygon& polygon, double radiu
 MadeSolid make_around(const Placement& placement, const Element& element, double radius,
                       bool offset) {
   MadeSolid made;
+  made.radius = radius;
   const auto* segment = std::get_if<Segment>(&element.skeleton);
   const auto* arc = std::get_if<Arc>(&element.skeleton);
   const bool has_lids =
@@ -168,15 +171,18 @@ MadeSolid make_around(const Placement& placement, const Element& element, double
     made.surface = std::make_shared<Offset>(Point{at}, radius, placement.to_local);
   } else if (segment != nullptr && (!offset || has_lids)) {
     made.surface = capped_cylinder(placement, *segment, radius);
+    made.radius = std::min(radius, 0.5 * size(*segment));
     made.creased = true;
   } else if (arc != nullptr && !offset) {
     made.surface = flat_ended_arc(placement, *arc, radius);
+    made.radius = std::min(radius, 0.5 * arc->sweep * arc->radius);
     made.creased = arc->sweep < 2 * std::numbers::pi;
   } else {
     made.surface = std::visit(
         [&](const auto& p) { return std::make_shared<Offset>(p, radius, placement.to_local); },
         element.skeleton);
   }
+  if (placement.to_local) made.radius /= stretch_bound(placement.to_local->linear);
   return made;
 }
 
@@ -218,10 +224,8 @@ Result<MadeSolid> make_solid(const Scene& scene, const Element& element, bool of
                                        " needs a radius to be solid, expected 'radius' in its "
                                        "surface");
   }
-  MadeSolid made = is_polygon ? thick(placement, scene.polygons[shape], *radius)
-                              : make_around(placement, element, *radius, offset);
-  made.radius = placement.to_local ? *radius / stretch_bound(placement.to_local->linear) : *radius;
-  return made;
+  return is_polygon ? thick(placement, scene.polygons[shape], *radius)
+                    : make_around(placement, element, *radius, offset);
 }
 
 }  // namespace cs2mesh

@@ -13,7 +13,7 @@ struct MadeSolid {
   std::shared_ptr<const ImplicitSurface> surface;
   /// In scene units, the smallest under a non-uniform scale; of a cone the half of its larger
   /// radius, of a box that of its shortest side, of a quadric its least half axis or radius of
-  /// curvature. 0 where there is none.
+  /// curvature; between flat lids or ends no more than half their distance. 0 where there is none.
   double radius = 0.0;
   bool creased = false;  ///< flat lids or ends, faces, reflex corners
 };

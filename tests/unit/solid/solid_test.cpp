@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -93,6 +94,15 @@ TEST(Solid, ConeHasItsRadiiAtItsEndsAndLids) {
   EXPECT_NEAR(cut.surface->value({3.25, 1, 0}), -0.25, 1e-15);
   EXPECT_TRUE(cut.surface->bounds().finite());
   EXPECT_TRUE(cut.surface->bounds().contains(Vec3d{3, 2, 0}));
+}
+
+TEST(Solid, WhatIsShortBetweenFlatEndsIsAsThinAsThat) {
+  const auto disc = hard_element(ElementKind::cylinder, Segment{{1, 0, 0}, {1, 0, 0.25}});
+  EXPECT_EQ(solid(disc).radius, 0.125);
+  EXPECT_EQ(solid(hard_element(ElementKind::cylinder, Segment{{1, 0, 0}, {1, 0, 2}})).radius, 0.5);
+  EXPECT_EQ(solid(cone({0, 0, 0}, 2, {0, 0, 0.5}, 1)).radius, 0.25);
+  const auto slice = hard_element(ElementKind::arc, make_arc({0, 0, 0}, 2, {0, 0, 1}, 0, 3));
+  EXPECT_NEAR(solid(slice).radius, 0.5 * 2 * 3 * std::numbers::pi / 180, 1e-12);
 }
 
 TEST(Solid, BoxIsWhatLiesBetweenItsCorners) {
