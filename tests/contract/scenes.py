@@ -197,6 +197,17 @@ def groove():
     )
 
 
+def edge():
+    """A stiff kernel of finite support: F has a kink at its edge, next to the surface."""
+    return (
+        "surface s { radius 0.9 blobbiness -70 kernel metaball }\n"
+        "surface t { radius 0.62 blobbiness -1.2 kernel soft strength 1.1 }\n"
+        "gauss s <-0.16 -1.45 0.77>\n"
+        "line t <-0.16 -1.45 0.77> <0.39 -1.78 1.14>\n"
+        "cylinder t 0.342 <-0.312 0.284 0.231> <-3.22 0.61 1.5>\n"
+    )
+
+
 def waves():
     """A singular kernel under a profile with kinks."""
     return (
@@ -243,6 +254,7 @@ CONTRACT = {
     "ring": Scene([(1, 0, 1)], ring),
     "negative": Scene([(1, 0, 0)], negative),
     "groove": Scene([(1, 0, 0)], groove),
+    "edge": Scene([(2, 0, 0)], edge),
     "waves": Scene([(1, 0, 0)], waves),
 }
 
