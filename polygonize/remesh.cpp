@@ -12,8 +12,10 @@
 #include "libfield/base/check.h"
 #include "polygonize/collapse_crossings.h"
 #include "polygonize/editable_mesh.h"
+#include "polygonize/fold.h"
 #include "polygonize/leaf_jets.h"
 #include "polygonize/measured_triangle.h"
+#include "polygonize/mend_folds.h"
 #include "polygonize/mesh_blocks.h"
 #include "polygonize/points_half_way.h"
 #include "polygonize/sagitta.h"
@@ -45,7 +47,7 @@ class Remesher {
   TriangleMesh run() {
     project(2);
     remember_surface();
-    unfold();
+    mend_folds();
     untangle();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
       if (options_.progress != nullptr) {
@@ -81,7 +83,7 @@ class Remesher {
     constexpr int kMostSteps = 12;
     find_used();
     project(kMostSteps);
-    unfold();
+    mend_folds();
     if (options_.balance) balance();
   }
 
@@ -102,6 +104,12 @@ class Remesher {
     for (Index v = 0; v < normals_.size(); ++v) {
       if (used_[v]) mesh_.move_vertex(v, position(v) + (up[v] + down[v]) * normals_[v]);
     }
+  }
+
+  void mend_folds() {
+    const FoldsMended mended = cs2mesh::mend_folds(mesh_, normals_, kTurn);
+    statistics.collapses += mended.collapses;
+    statistics.flips += mended.flips;
   }
 
   void untangle() {
@@ -381,10 +389,7 @@ class Remesher {
   }
 
   bool faces_outward(Index a, Index b, Index c) const {
-    const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
-    const double least = kTurn * norm(area);
-    return dot(area, normals_[a]) > least && dot(area, normals_[b]) > least &&
-           dot(area, normals_[c]) > least;
+    return faces_normals(mesh_.mesh().positions, normals_, {a, b, c}, kTurn);
   }
 
   /// Makes edges locally Delaunay where that keeps the mesh near the surface.
@@ -417,71 +422,6 @@ class Remesher {
   /// The tangent of the smallest angle.
   double angle_of(Index a, Index b, Index c) const {
     return tangent_of_smallest_angle(position(a), position(b), position(c));
-  }
-
-  // ---- Folds ----
-
-  /// Gets rid of triangles that face the wrong way, by collapsing or flipping one of their edges
-  /// where that leaves fewer of them around.
-  void unfold() {
-    constexpr int kMostSweeps = 6;
-    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-      std::size_t mended = 0;
-      for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) {
-        if (mesh_.alive(t) && folded(t) && mend(t)) ++mended;
-      }
-      if (mended == 0) break;
-    }
-  }
-
-  bool folded(std::size_t triangle) const {
-    const auto& t = mesh_.mesh().triangles[triangle];
-    return !faces_outward(t[0], t[1], t[2]);
-  }
-
-  bool mend(std::size_t triangle) {
-    HalfEdge best = 0;
-    int most = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto h = static_cast<HalfEdge>(3 * triangle + k);
-      for (const HalfEdge way : {h, mesh_.opposite(h)}) {
-        const int gain = folds_unmade(way);
-        if (gain > most && mesh_.can_collapse(way)) {
-          most = gain;
-          best = way;
-        }
-      }
-    }
-    if (most > 0) {
-      mesh_.collapse_edge(best);
-      ++statistics.collapses;
-      return true;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto h = static_cast<HalfEdge>(3 * triangle + k);
-      const HalfEdge back = mesh_.opposite(h);
-      const Index a = start(h), b = end(h);
-      const Index c = end(next_in_triangle(h)), d = end(next_in_triangle(back));
-      if (c != d && faces_outward(d, c, a) && faces_outward(c, d, b) && mesh_.flip_edge(h)) {
-        ++statistics.flips;
-        return true;
-      }
-    }
-    return false;
-  }
-
-  /// How many folded triangles a collapse would leave fewer.
-  int folds_unmade(HalfEdge h) const {
-    const Index b = end(h);
-    const HalfEdge back = mesh_.opposite(h);
-    int before = 0, after = 0;
-    mesh_.for_ring(h, [&](HalfEdge turn) {
-      const Index c = end(turn), d = end(next_in_triangle(turn));
-      if (folded(triangle_of(turn))) ++before;
-      if (turn == h || triangle_of(turn) == triangle_of(back)) return;
-      if (!faces_outward(b, c, d)) ++after;
-    });
-    return before - after;
   }
 
   // ---- Moving ----
