@@ -51,7 +51,7 @@ class Refiner {
   using FarTriangle = std::pair<std::array<Index, 3>, LostPoint>;
 
   void divide_until_near() {
-    for (int round = 0;; ++round) {
+    for (int round = 0; round < options_.most_rounds; ++round) {
       if (mesh_.triangles.size() > options_.max_triangles) return;
       if (cancelled(options_.progress)) return;
       if (options_.progress != nullptr) {
@@ -60,7 +60,6 @@ class Refiner {
       opposite_ = opposite_half_edges(mesh_);
       split_.assign(opposite_.size(), 0);
       mark_far_triangles();
-      if (round == options_.most_rounds) return;  // what the last round has made is looked at, too
       mark_longest_edges();
       place_middles();
       if (!divide()) return;

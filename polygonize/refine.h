@@ -44,7 +44,7 @@ struct RefineStatistics {
   /// Edges that were too far away but kept, since the mesh would have been folded there, or since
   /// no surface was found within their length of their middle.
   std::size_t kept = 0;
-  /// The triangles that are too far for all that.
+  /// The triangles that are too far for all that, but for those that the last of most_rounds made.
   std::vector<LostPoint> far;
 };
 

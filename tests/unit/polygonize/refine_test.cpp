@@ -70,18 +70,6 @@ TEST(Refine, BringsASphereWithinToleranceWithItsVerticesOnIt) {
   }
 }
 
-TEST(Refine, TellsWhatItsLastRoundLeftTooFar) {
-  RefineStatistics statistics;
-  const TriangleMesh mesh = refine(Surface<Sphere>{}, test::bare_sphere({}, 1, 1),
-                                   {.tolerance = 1e-4, .most_rounds = 1}, &statistics);
-  EXPECT_EQ(statistics.rounds, 1);
-  ASSERT_GT(largest_error(Surface<Sphere>{}, mesh), 1e-2);
-  double farthest = 0;
-  for (const LostPoint& lost : statistics.far) farthest = std::max(farthest, lost.distance);
-  EXPECT_EQ(statistics.far.size(), mesh.triangles.size());
-  EXPECT_GT(farthest, 1e-2);
-}
-
 TEST(Refine, LeavesAloneWhatIsNearEnough) {
   const TriangleMesh before = test::bare_sphere({}, 1, 4);
   RefineStatistics statistics;
