@@ -62,8 +62,9 @@ void append_box(TriangleMesh& mesh, const Aabb& box) {
 
 }  // namespace
 
-std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const CompiledScene& compiled,
-                                           const Fineness& fineness, Console& console) {
+std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
+                                           const Fineness& fineness, bool refine,
+                                           Console& console) {
   constexpr double kNeck = 1.0 / 64;  // of the thinnest radius: what necks and gaps are larger than
   std::vector<PartCertificate> certificates;
   for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
@@ -75,9 +76,10 @@ std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const Comp
     CertifyOptions options;
     options.tolerance = fineness.tolerance;
     options.progress = &console.progress();
+    TriangleMesh& mesh = meshed.model.parts[i].mesh;
     certificates.push_back(
-        {part.name,
-         console.take(certify(*part.surface, meshed.model.parts[i].mesh, topology, options))});
+        {part.name, console.take(refine ? certify_refined(*part.surface, mesh, topology, options)
+                                        : certify(*part.surface, mesh, topology, options))});
   }
   return certificates;
 }
@@ -148,12 +150,13 @@ Model picture_of_doubts(const MeshedScene& meshed,
   return model;
 }
 
-std::vector<PartCertificate> certify_if_asked(const MeshedScene& meshed,
-                                              const CompiledScene& compiled,
+std::vector<PartCertificate> certify_if_asked(MeshedScene& meshed, const CompiledScene& compiled,
                                               const Fineness& fineness, const MeshRequest& request,
                                               Json report, Console& console) {
   if (!request.wants_certificate()) return {};
-  std::vector<PartCertificate> certificates = certify_parts(meshed, compiled, fineness, console);
+  const bool refine = request.certify && !(fineness.cell > 0) && !fineness.budgeted;
+  std::vector<PartCertificate> certificates =
+      certify_parts(meshed, compiled, fineness, refine, console);
   console.say(summary(certificates));
   if (!request.certificate.empty()) {
     const WhileWriting guard;
