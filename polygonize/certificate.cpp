@@ -15,6 +15,7 @@
 #include "polygonize/near_intersections.h"
 #include "polygonize/refine.h"
 #include "polygonize/shell_certifier.h"
+#include "polygonize/unfold.h"
 
 namespace cs2mesh {
 namespace {
@@ -188,6 +189,21 @@ std::vector<std::uint32_t> crossing(const TriangleMesh& mesh, TriangleMesh::Inde
   return triangles;
 }
 
+/// Flips edges of triangles that turn their back on the surface, unless that does harm.
+void flip_edges(TriangleMesh& mesh, ShellCertifier& certifier) {
+  TriangleMesh flipped = mesh;
+  if (unfold(flipped, certifier.normals()) == 0) return;
+  if (!crossing(flipped, 0).empty()) return;
+  ShellCertifier then = certifier;
+  if (!then.run(flipped)) return;
+  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (flipped.triangles[t] != mesh.triangles[t] && !then.seems_near(t)) return;
+  }
+  if (!(area_in_doubt(flipped, then) < area_in_doubt(mesh, certifier))) return;
+  mesh = std::move(flipped);
+  certifier = std::move(then);
+}
+
 /// Those of some triangles that are near none of some of another mesh.
 std::vector<std::uint32_t> away_from(const TriangleMesh& mesh,
                                      std::span<const std::uint32_t> triangles,
@@ -243,11 +259,12 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
   require(options.tolerance > 0 && std::isfinite(options.tolerance),
           "certify_refined: the tolerance must be positive");
   constexpr int kMostRounds = 16, kPatience = 3;
-  constexpr double kWorthIt = 0.9;  // of the area in doubt
+  constexpr double kWorthIt = 0.8;  // of the area in doubt
   constexpr std::size_t kMostGrowth = 4;
   const std::size_t most_triangles = kMostGrowth * mesh.triangles.size();
   ShellCertifier certifier(surface, options.tolerance, options.progress);
   if (!certifier.run(mesh)) return error_at({}, "interrupted", Failure::interrupted);
+  flip_edges(mesh, certifier);
   // Rounds that do not help are taken back.
   TriangleMesh finer = mesh;
   ShellCertifier further = certifier;
@@ -259,6 +276,7 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
     if (count == finer.triangles.size() || count > most_triangles) break;
     finer = std::move(next);
     if (!further.run(finer)) return error_at({}, "interrupted", Failure::interrupted);
+    flip_edges(finer, further);
     ++vain;
     const double area = area_in_doubt(finer, further);
     if (area > kWorthIt * least) continue;

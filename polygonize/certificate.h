@@ -83,10 +83,11 @@ Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& 
                             const TopologyProof& topology, const CertifyOptions& options);
 
 /// As certify(), but where the distance or a fold is in doubt cuts triangles of the mesh through
-/// the middle of their longest edges, and looks again, as long as that leaves less area in doubt;
-/// at most to four times as many triangles. Of those that stay what they are is not asked again.
-/// New vertices lie on the surface; the mesh stays closed, oriented and 2-manifold, and where
-/// triangles are new they do not cross others, also not when rounded to floats.
+/// the middle of their longest edges, and flips edges where triangles turn their back on the
+/// surface; then looks again, as long as that leaves less area in doubt; at most to four times as
+/// many triangles. Of those that stay what they are is not asked again. Vertices stay where they
+/// are, new ones lie on the surface; the mesh stays closed, oriented and 2-manifold, and triangles
+/// that are new do not cross others, also not when rounded to floats.
 ///
 /// Not promised: that all is certified in the end. What is singular is not, as where sheets touch.
 Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh& mesh,

@@ -25,6 +25,9 @@ constexpr double kThicker = 1.5, kThinner = 0.5;
 /// Of the tolerance, for the rounding of lengths.
 constexpr double kWhole = 1 - 1e-9;
 
+/// What counts as near by a few points, as of the mesher.
+constexpr double kSeemsNear = 0.93;
+
 constexpr char kOuter = 1, kInner = 2;
 
 Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle) {
@@ -88,6 +91,21 @@ std::vector<Doubt> ShellCertifier::doubts() const {
   return doubts;
 }
 
+std::vector<Vec3d> ShellCertifier::normals() const {
+  std::vector<Vec3d> normals(shell_.direction.size());
+  for (std::size_t t = 0; t < records_.size(); ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      normals[triangles_[t][k]] = records_[t].look.normals[k + 1];
+    }
+  }
+  return normals;
+}
+
+bool ShellCertifier::seems_near(std::size_t triangle) const {
+  const Look& look = records_[triangle].look;
+  return std::max(look.outer, look.inner) < kSeemsNear * tolerance_;
+}
+
 /// A prism is bent by whoever made it thick where it is thickest; it is cut itself where it is wide
 /// for that.
 std::vector<std::uint32_t> ShellCertifier::worth_cutting() const {
@@ -123,22 +141,22 @@ std::vector<std::uint32_t> ShellCertifier::worth_cutting() const {
   return triangles;
 }
 
-/// Triangles keep their order when others are cut, so that they are found by walking both lists.
 void ShellCertifier::take_over(const TriangleMesh& mesh) {
+  using Known = std::pair<std::array<Index, 3>, std::uint32_t>;
+  std::vector<Known> known;
+  known.reserve(triangles_.size());
+  for (std::uint32_t t = 0; t < triangles_.size(); ++t) known.emplace_back(triangles_[t], t);
+  tbb::parallel_sort(known.begin(), known.end());
   std::vector<Record> records(mesh.triangles.size());
   fresh_.assign(mesh.positions.size(), 0);
-  std::size_t old = 0;
-  const auto vertices = static_cast<Index>(shell_.direction.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     const auto& corners = mesh.triangles[t];
-    if (*std::max_element(corners.begin(), corners.end()) < vertices) {
-      while (old < triangles_.size() && triangles_[old] != corners) ++old;
-      if (old < triangles_.size()) {
-        records[t] = records_[old++];
-        continue;
-      }
+    const auto at = std::lower_bound(known.begin(), known.end(), Known{corners, 0});
+    if (at != known.end() && at->first == corners) {
+      records[t] = records_[at->second];
+    } else {
+      for (const Index v : corners) fresh_[v] = 1;
     }
-    for (const Index v : corners) fresh_[v] = 1;
   }
   for (std::size_t t = 0; t < records.size(); ++t) {
     const auto& [a, b, c] = mesh.triangles[t];

@@ -22,9 +22,9 @@ class ShellCertifier {
   ShellCertifier(const ImplicitSurface& surface, double tolerance, Progress* progress)
       : surface_(&surface), tolerance_(tolerance), progress_(progress) {}
 
-  /// Looks at the triangles of a mesh, and of one that came of the last one by cutting some of its
-  /// triangles at those that are new and at their neighbours. Vertices keep their numbers and
-  /// places. False if cancelled.
+  /// Looks at the triangles of a mesh, and after the first one at those alone that are new and at
+  /// their neighbours. Vertices keep their numbers and places, new ones come behind them. False if
+  /// cancelled.
   bool run(const TriangleMesh& mesh);
 
   /// For each triangle of the last mesh `none`, `distance`, `fold` or `crease`.
@@ -32,6 +32,10 @@ class ShellCertifier {
   /// Triangles that may help to prove what is in doubt for `distance` or `fold` if they are cut;
   /// sorted.
   std::vector<std::uint32_t> worth_cutting() const;
+  /// Of the surface at the vertices, outwards; of length one, or zero where there is none.
+  std::vector<Vec3d> normals() const;
+  /// Whether the surface seems to be within the tolerance of a triangle, by seven points.
+  bool seems_near(std::size_t triangle) const;
   const OffsetShell& shell() const { return shell_; }
   const ProverCounts& counts() const { return counts_; }
 
