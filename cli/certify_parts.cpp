@@ -12,9 +12,10 @@
 namespace cs2mesh {
 namespace {
 
-constexpr std::array kReasons{Doubt::distance, Doubt::fold, Doubt::topology, Doubt::crease};
+constexpr std::array kReasons{Doubt::distance, Doubt::fold, Doubt::topology, Doubt::crease,
+                              Doubt::profile};
 
-/// Linear RGB: red, yellow, blue, magenta.
+/// Linear RGB: red, yellow, blue, magenta, green.
 Vec3<float> color_of(Doubt doubt) {
   switch (doubt) {
     case Doubt::distance:
@@ -23,6 +24,8 @@ Vec3<float> color_of(Doubt doubt) {
       return {0.8F, 0.6F, 0.0F};
     case Doubt::topology:
       return {0.02F, 0.1F, 0.8F};
+    case Doubt::profile:
+      return {0.05F, 0.6F, 0.05F};
     default:
       return {0.7F, 0.02F, 0.6F};
   }

@@ -50,7 +50,7 @@ std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb>
 }
 
 bool leaves_sign_open(Doubt doubt) {
-  return doubt == Doubt::distance || doubt == Doubt::crease;
+  return doubt != Doubt::none && doubt != Doubt::fold && doubt != Doubt::topology;
 }
 
 /// Regions that the mesh does not account for: it parts space in one more than it has components.
@@ -126,6 +126,8 @@ std::string_view name(Doubt doubt) {
       return "topology";
     case Doubt::crease:
       return "crease";
+    case Doubt::profile:
+      return "profile";
   }
   return "none";
 }
@@ -173,14 +175,19 @@ TriangleMesh cut(const ImplicitSurface& surface, const TriangleMesh& mesh,
   return refine(surface, mesh, refinement);
 }
 
-/// The triangles that cross others, of those that have a vertex from `first_new` on, as the mesh is
-/// or as files of floats have it.
-std::vector<std::uint32_t> crossing(const TriangleMesh& mesh, TriangleMesh::Index first_new) {
+/// The triangles that cross others near some that are new, as the mesh is or as files of floats
+/// have it.
+template <class IsNew>
+std::vector<std::uint32_t> crossing_near(const TriangleMesh& mesh, const IsNew& is_new) {
   constexpr std::size_t kMostPairs = 1000;
-  std::vector<std::uint32_t> triangles;
   const TriangleMesh rounded = rounded_to_float(mesh);
+  std::vector<std::uint32_t> triangles;
   for (const TriangleMesh* as : {&mesh, &rounded}) {
-    for (const auto& pair : find_new_intersections(*as, first_new, kMostPairs).pairs) {
+    std::vector<Aabb> boxes;
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (is_new(t)) boxes.push_back(bounds(*as, t));
+    }
+    for (const auto& pair : find_intersections_near(*as, std::move(boxes), kMostPairs).pairs) {
       triangles.insert(triangles.end(), pair.begin(), pair.end());
     }
   }
@@ -193,11 +200,12 @@ std::vector<std::uint32_t> crossing(const TriangleMesh& mesh, TriangleMesh::Inde
 void flip_edges(TriangleMesh& mesh, ShellCertifier& certifier) {
   TriangleMesh flipped = mesh;
   if (unfold(flipped, certifier.normals()) == 0) return;
-  if (!crossing(flipped, 0).empty()) return;
+  const auto is_new = [&](std::size_t t) { return flipped.triangles[t] != mesh.triangles[t]; };
+  if (!crossing_near(flipped, is_new).empty()) return;
   ShellCertifier then = certifier;
   if (!then.run(flipped)) return;
-  for (std::uint32_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (flipped.triangles[t] != mesh.triangles[t] && !then.seems_near(t)) return;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (is_new(t) && !then.seems_near(t)) return;
   }
   if (!(area_in_doubt(flipped, then) < area_in_doubt(mesh, certifier))) return;
   mesh = std::move(flipped);
@@ -232,10 +240,14 @@ TriangleMesh cut_without_crossing(const ImplicitSurface& surface, const Triangle
   const auto first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
   for (int attempt = 0; attempt < kMostTries && !triangles.empty(); ++attempt) {
     TriangleMesh finer = cut(surface, mesh, triangles, options);
-    std::vector<std::uint32_t> in_the_way = crossing(finer, first_new);
+    const auto is_new = [&](std::size_t t) {
+      const auto& corners = finer.triangles[t];
+      return *std::max_element(corners.begin(), corners.end()) >= first_new;
+    };
+    std::vector<std::uint32_t> in_the_way = crossing_near(finer, is_new);
     for (int again = 0; again < kMostCuts && !in_the_way.empty(); ++again) {
       finer = cut(surface, finer, in_the_way, options);
-      in_the_way = crossing(finer, first_new);
+      in_the_way = crossing_near(finer, is_new);
     }
     if (in_the_way.empty()) return finer;
     triangles = away_from(mesh, triangles, finer, in_the_way);
@@ -258,8 +270,10 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
                                     const TopologyProof& topology, const CertifyOptions& options) {
   require(options.tolerance > 0 && std::isfinite(options.tolerance),
           "certify_refined: the tolerance must be positive");
+  // Rounds that leave much of the area in doubt are not worth it, but may lead to others that do
+  // not; so the more is in doubt, the longer is that hoped for.
   constexpr int kMostRounds = 16, kPatience = 3;
-  constexpr double kWorthIt = 0.8;  // of the area in doubt
+  constexpr double kWorthIt = 0.8, kMuch = 0.003;
   constexpr std::size_t kMostGrowth = 4;
   const std::size_t most_triangles = kMostGrowth * mesh.triangles.size();
   ShellCertifier certifier(surface, options.tolerance, options.progress);
@@ -268,9 +282,11 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
   // Rounds that do not help are taken back.
   TriangleMesh finer = mesh;
   ShellCertifier further = certifier;
+  const double much = kMuch * area(mesh);
   double least = area_in_doubt(mesh, certifier);
   int vain = 0;
-  for (int round = 0; round < kMostRounds && vain < kPatience && least > 0; ++round) {
+  for (int round = 0; round < kMostRounds && least > 0; ++round) {
+    if (vain == (least > much ? kPatience : 1)) break;
     TriangleMesh next = cut_without_crossing(surface, finer, further.worth_cutting(), options);
     const std::size_t count = next.triangles.size();
     if (count == finer.triangles.size() || count > most_triangles) break;
@@ -278,11 +294,11 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
     if (!further.run(finer)) return error_at({}, "interrupted", Failure::interrupted);
     flip_edges(finer, further);
     ++vain;
-    const double area = area_in_doubt(finer, further);
-    if (area > kWorthIt * least) continue;
+    const double left = area_in_doubt(finer, further);
+    if (left > kWorthIt * least) continue;
     mesh = finer;
     certifier = further;
-    least = area;
+    least = left;
     vain = 0;
   }
   return certificate_of(mesh, certifier, topology);

@@ -40,7 +40,8 @@ enum class Doubt : std::uint8_t {
   distance,  ///< the surface may be farther than the tolerance
   fold,      ///< it may cross the shell more than once, or the shell itself
   topology,  ///< there may be more of it in a cell, or around one, than the mesh has
-  crease,    ///< it bends without bound, as at creases and jumps of strength profiles
+  crease,    ///< it bends without bound, as at creases and corners of strength profiles
+  profile,   ///< F may jump, as at jumps of strength profiles
 };
 std::string_view name(Doubt doubt);
 

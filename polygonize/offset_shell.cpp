@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "polygonize/box_pairs.h"
 
@@ -40,15 +39,16 @@ std::array<Vec3d, 6> layer_normals(const TriangleMesh& mesh, const OffsetShell& 
   const Vec3d first = cross(e1, e2);
   std::array<Vec3d, 6> normals;
   std::size_t next = 0;
-  for (const auto& [length, sign] : {std::pair(&shell.outer, 1.0), std::pair(&shell.inner, -1.0)}) {
-    const auto way = [&](TriangleMesh::Index v) {
-      return sign * (*length)[v] * shell.direction[v];
-    };
-    const Vec3d d1 = way(b) - way(a), d2 = way(c) - way(a);
+  const auto add = [&](const std::vector<double>& lengths, double sign) {
+    const auto way = [&](TriangleMesh::Index v) { return sign * lengths[v] * shell.direction[v]; };
+    const auto& t = mesh.triangles[triangle];
+    const Vec3d d1 = way(t[1]) - way(t[0]), d2 = way(t[2]) - way(t[0]);
     normals[next++] = first;
     normals[next++] = first + 0.5 * (cross(e1, d2) + cross(d1, e2));
     normals[next++] = cross(e1 + d1, e2 + d2);
-  }
+  };
+  add(shell.outer, 1.0);
+  add(shell.inner, -1.0);
   return normals;
 }
 

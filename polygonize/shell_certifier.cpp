@@ -318,7 +318,8 @@ bool ShellCertifier::prove_signs() {
 bool ShellCertifier::adapt() {
   std::vector<char> thicker(shell_.direction.size(), 0), thinner = thicker;
   for (std::size_t t = 0; t < records_.size(); ++t) {
-    const auto& [look, signs] = std::pair(records_[t].look, records_[t].signs);
+    const Look& look = records_[t].look;
+    const Finding& signs = records_[t].signs;
     if (signs.doubt != Doubt::distance) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index v = triangles_[t][k];

@@ -27,7 +27,7 @@ class ShellCertifier {
   /// cancelled.
   bool run(const TriangleMesh& mesh);
 
-  /// For each triangle of the last mesh `none`, `distance`, `fold` or `crease`.
+  /// For each triangle of the last mesh `none`, `distance`, `fold`, `crease` or `profile`.
   std::vector<Doubt> doubts() const;
   /// Triangles that may help to prove what is in doubt for `distance` or `fold` if they are cut;
   /// sorted.

@@ -99,8 +99,7 @@ class Prover {
       int tries = kMostTries;
       const std::vector<Vec3d> directions = directions_of(i, question);
       if (grows_in({i}, directions, question, tries)) continue;
-      const HullBound bound = bound_of({i}, prism_of({i}));
-      findings_[i].doubt = std::isfinite(bound.bend) ? Doubt::fold : Doubt::crease;
+      findings_[i].doubt = doubt_of({i}, Doubt::fold);
     }
     return findings_;
   }
@@ -239,12 +238,20 @@ class Prover {
     return parts;
   }
 
+  /// What is in the way of bounds, if anything is, else `usual`.
+  Doubt doubt_of(const Piece& piece, Doubt usual) {
+    const Prism prism = prism_of(piece);
+    if (std::isfinite(bound_of(piece, prism).bend)) return usual;
+    Aabb box;
+    for (const Vec3d& p : prism.corners()) box.include(p);
+    return std::isfinite(part_->derivative_bound(1, box)) ? Doubt::crease : Doubt::profile;
+  }
+
   void give_up_on(const std::vector<Piece>& pieces) {
     for (const Piece& piece : pieces) {
       Finding& finding = findings_[piece.triangle];
       if (!piece.open() || finding.doubt == Doubt::distance) continue;
-      const bool bent = std::isfinite(bound_of(piece, prism_of(piece)).bend);
-      finding = {bent ? Doubt::distance : Doubt::crease, piece.outer, piece.inner};
+      finding = {doubt_of(piece, Doubt::distance), piece.outer, piece.inner};
     }
   }
 

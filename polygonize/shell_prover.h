@@ -27,7 +27,7 @@ struct ProverCounts {
 };
 
 struct Finding {
-  Doubt doubt = Doubt::none;  ///< `distance`, `fold` or `crease`
+  Doubt doubt = Doubt::none;  ///< `distance`, `fold`, `crease` or `profile`
   /// Where the distance is in doubt: the layers whose sign is, as far as was looked, and at which
   /// corners of the triangle it is wrong.
   bool outer = false, inner = false;

@@ -50,8 +50,8 @@ int run(const char* path, double tolerance, double aim) {
     result = certify_refined(*part.surface, mesh, *topology, options);
     if (!result) continue;
     const double refined = processor_seconds();
-    std::array<std::size_t, 5> count{};
-    std::array<double, 5> area{};
+    std::array<std::size_t, 6> count{};
+    std::array<double, 6> area{};
     for (const UncertifiedPlace& place : result->places) {
       ++count[static_cast<std::size_t>(place.doubt)];
       area[static_cast<std::size_t>(place.doubt)] += place.area;

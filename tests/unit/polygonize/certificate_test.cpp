@@ -11,6 +11,7 @@
 #include "libfield/field/field.h"
 #include "polygonize/adaptive_mesher.h"
 #include "polygonize/check.h"
+#include "polygonize/lattice_mesher.h"
 #include "polygonize/metrology.h"
 #include "tests/unit/polygonize/mesh_test_tools.h"
 #include "tests/unit/polygonize/proof_of.h"
@@ -98,6 +99,23 @@ TEST(Certificate, DoubtsWhatIsTooFar) {
     ASSERT_EQ(certificate.places.size(), count(certificate, Doubt::distance));
     EXPECT_LT(norm(certificate.places.front().position - mesh.positions[v]), 0.3);
   }
+}
+
+/// A strength that drops to a half in the middle of a bone.
+TEST(Certificate, NamesJumpsOfProfiles) {
+  Term bone = term_over(Gaussian{4.0, 3.0}, Segment{{-1, 0, 0}, {1, 0, 0}});
+  StrengthProfile half;
+  half.along_u = ProfileFunction::step;
+  half.lower = 0.5;
+  bone.profiles = {half};
+  const Field surface({bone}, 1e-9);
+  LatticeOptions lattice;
+  lattice.cell = 0.05;
+  const Result<TriangleMesh> mesh = mesh_lattice(surface, lattice);
+  ASSERT_TRUE(mesh);
+  const Certificate certificate = certified(surface, *mesh, 0.3, 0.05);
+  EXPECT_GT(count(certificate, Doubt::profile), 0U);
+  EXPECT_EQ(count(certificate, Doubt::crease), 0U);
 }
 
 TEST(Certificate, DoubtsASmallerTolerance) {
