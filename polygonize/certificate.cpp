@@ -175,24 +175,26 @@ TriangleMesh cut(const ImplicitSurface& surface, const TriangleMesh& mesh,
   return refine(surface, mesh, refinement);
 }
 
-/// The triangles that cross others near some that are new, as the mesh is or as files of floats
-/// have it.
+/// The triangles that cross others near some that are new; if there are none, those that do once
+/// rounded to floats, as files have them.
 template <class IsNew>
 std::vector<std::uint32_t> crossing_near(const TriangleMesh& mesh, const IsNew& is_new) {
   constexpr std::size_t kMostPairs = 1000;
-  const TriangleMesh rounded = rounded_to_float(mesh);
-  std::vector<std::uint32_t> triangles;
-  for (const TriangleMesh* as : {&mesh, &rounded}) {
+  const auto look = [&](const TriangleMesh& as) {
     std::vector<Aabb> boxes;
-    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-      if (is_new(t)) boxes.push_back(bounds(*as, t));
+    for (std::size_t t = 0; t < as.triangles.size(); ++t) {
+      if (is_new(t)) boxes.push_back(bounds(as, t));
     }
-    for (const auto& pair : find_intersections_near(*as, std::move(boxes), kMostPairs).pairs) {
+    std::vector<std::uint32_t> triangles;
+    for (const auto& pair : find_intersections_near(as, std::move(boxes), kMostPairs).pairs) {
       triangles.insert(triangles.end(), pair.begin(), pair.end());
     }
-  }
-  std::sort(triangles.begin(), triangles.end());
-  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+    std::sort(triangles.begin(), triangles.end());
+    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+    return triangles;
+  };
+  std::vector<std::uint32_t> triangles = look(mesh);
+  if (triangles.empty()) triangles = look(rounded_to_float(mesh));
   return triangles;
 }
 
@@ -236,7 +238,7 @@ std::vector<std::uint32_t> away_from(const TriangleMesh& mesh,
 TriangleMesh cut_without_crossing(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                   std::vector<std::uint32_t> triangles,
                                   const CertifyOptions& options) {
-  constexpr int kMostCuts = 3, kMostTries = 4;
+  constexpr int kMostCuts = 2, kMostTries = 4;
   const auto first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
   for (int attempt = 0; attempt < kMostTries && !triangles.empty(); ++attempt) {
     TriangleMesh finer = cut(surface, mesh, triangles, options);
@@ -273,7 +275,7 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
   // Rounds that leave much of the area in doubt are not worth it, but may lead to others that do
   // not; so the more is in doubt, the longer is that hoped for.
   constexpr int kMostRounds = 16, kPatience = 3;
-  constexpr double kWorthIt = 0.8, kMuch = 0.003;
+  constexpr double kWorthIt = 0.8, kMuch = 0.005;
   constexpr std::size_t kMostGrowth = 4;
   const std::size_t most_triangles = kMostGrowth * mesh.triangles.size();
   ShellCertifier certifier(surface, options.tolerance, options.progress);
