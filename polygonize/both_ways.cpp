@@ -80,7 +80,7 @@ bool BothWays::bring_near(TriangleMesh& mesh, Index first_new) {
     far_ = std::move(refined.far);
     if (far_.empty()) return true;
     first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
-    if (far_.size() >= left || insert_points(mesh, far_).empty()) return false;
+    if (far_.size() >= left || insert_points(surface_, mesh, far_).empty()) return false;
     left = far_.size();
   }
 }
@@ -92,7 +92,7 @@ bool BothWays::join(TriangleMesh& mesh, std::vector<LostPoint> lost) {
   const auto first = static_cast<TriangleMesh::Index>(mesh.positions.size());
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
     TriangleMesh joined = mesh;
-    const std::vector<std::size_t> points = insert_points(joined, lost);
+    const std::vector<std::size_t> points = insert_points(surface_, joined, lost);
     if (points.empty()) return false;
     std::vector<TriangleMesh::Index> blamed;
     if (bring_near(joined, first)) {

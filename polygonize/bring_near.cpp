@@ -9,6 +9,7 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/closest_point.h"
+#include "polygonize/flip_far.h"
 #include "polygonize/improve.h"
 #include "polygonize/insert_points.h"
 #include "polygonize/mend_crossings.h"
@@ -101,6 +102,11 @@ class Bringer {
         look_at_all(false);
         continue;
       }
+      if (flip_far(surface_, mesh_, lost, far_options()) > 0) {
+        unchecked_ = 0;
+        look_at_all(false);
+        continue;
+      }
       look_back(lost);
       const bool near_enough = largest_distance(lost) <= kAcceptedPart * options_.tolerance;
       if (whole_ && near_enough && (lost.empty() || pass > 0)) {
@@ -109,7 +115,7 @@ class Bringer {
       }
       const bool was_whole = whole_;
       look_at_all(false);
-      if (!lost.empty() && !insert_points(mesh_, lost).empty()) continue;
+      if (!lost.empty() && !insert_points(surface_, mesh_, lost).empty()) continue;
       if (was_whole) {
         result_.error = largest_distance(lost);
         break;
@@ -127,6 +133,14 @@ class Bringer {
   void look_at_all(bool all) {
     whole_ = all;
     refinement_.first_new = all ? 0 : vertex_count(mesh_);
+  }
+
+  FarOptions far_options() const {
+    FarOptions options;
+    options.tolerance = refinement_.tolerance;
+    options.small = options_.small;
+    options.longest_way = 100 * options_.tolerance;
+    return options;
   }
 
   void put_down(std::span<const LostPoint> lost, std::span<const Vec3d> crossing) {

@@ -93,7 +93,7 @@ TEST(InsertPoints, ATentReachesALostPoint) {
     const ClosestPoint::Hit hit = tree.nearest(p);
     lost.push_back({p, hit.point, hit.distance, hit.triangle});
   }
-  const std::vector<std::size_t> joined = insert_points(mesh, lost);
+  const std::vector<std::size_t> joined = insert_points(Surface<Sphere>{}, mesh, lost);
   EXPECT_GE(joined.size(), 15U);
   const std::size_t first = mesh.positions.size() - joined.size();
   for (std::size_t i = 0; i < joined.size(); ++i) {
