@@ -198,7 +198,7 @@ class Adaptive {
     }
     if (most > kSmallMove * request_.tolerance) return false;
     const std::vector<Vec3d> places =
-        places_of(find_new_intersections(rounded, 0, kMostPairs), rounded);
+        places_of(find_new_intersections(rounded, {}, kMostPairs), rounded);
     trouble_.insert(trouble_.end(), places.begin(), places.end());
     return !places.empty();
   }

@@ -15,6 +15,7 @@
 #include "polygonize/mend_crossings.h"
 #include "polygonize/near_intersections.h"
 #include "polygonize/refine.h"
+#include "polygonize/triangle_set.h"
 #include "polygonize/vertex_ring.h"
 
 namespace cs2mesh {
@@ -26,10 +27,6 @@ constexpr double kRefined = 0.93, kLost = 0.93;
 constexpr double kCloser = 0.3;
 constexpr int kMostPasses = 16, kMostMends = 4;
 constexpr std::size_t kMostPairs = 10'000;  ///< of triangles that cross
-
-TriangleMesh::Index vertex_count(const TriangleMesh& mesh) {
-  return static_cast<TriangleMesh::Index>(mesh.positions.size());
-}
 
 double largest_distance(std::span<const LostPoint> lost) {
   double largest = 0.0;
@@ -59,38 +56,11 @@ std::vector<bool> vertices_near(const TriangleMesh& mesh, std::span<const Vec3d>
   return near;
 }
 
-/// The points that are too far from the mesh, the farthest first.
-std::vector<LostPoint> lost_points(const TriangleMesh& mesh, std::span<const Vec3d> on_surface,
-                                   double distance) {
-  constexpr std::size_t kChunk = 1024;
-  const ClosestPoint tree(mesh);
-  std::vector<std::vector<LostPoint>> chunks((on_surface.size() + kChunk - 1) / kChunk);
-  tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
-    const auto points =
-        on_surface.subspan(kChunk * i, std::min(kChunk, on_surface.size() - kChunk * i));
-    tree.nearest_each(points, [&](std::size_t k, const ClosestPoint::Hit& hit) {
-      if (hit.distance > distance) {
-        chunks[i].push_back({points[k], hit.point, hit.distance, hit.triangle});
-      }
-    });
-  });
-  std::vector<LostPoint> lost;
-  for (const auto& chunk : chunks) lost.insert(lost.end(), chunk.begin(), chunk.end());
-  std::stable_sort(lost.begin(), lost.end(),
-                   [](const LostPoint& a, const LostPoint& b) { return a.distance > b.distance; });
-  return lost;
-}
-
 class Bringer {
  public:
   Bringer(const ImplicitSurface& surface, TriangleMesh& mesh, std::span<const Vec3d> on_surface,
           const BringNearOptions& options)
-      : surface_(surface), mesh_(mesh), on_surface_(on_surface), options_(options) {
-    refinement_.tolerance = kRefined * options.tolerance;
-    refinement_.small = options.small;
-    refinement_.max_triangles = options.max_triangles;
-    refinement_.progress = options.progress;
-  }
+      : surface_(surface), mesh_(mesh), on_surface_(on_surface), options_(options) {}
 
   BroughtNear run() {
     result_.error = HUGE_VAL;
@@ -98,29 +68,19 @@ class Bringer {
       std::vector<LostPoint> lost = refine_once(pass == 0);
       const Crossings crossings = part_crossings(lost);
       if (crossings == Crossings::left) break;
-      if (crossings == Crossings::mended) {
-        look_at_all(false);
-        continue;
-      }
-      if (flip_far(surface_, mesh_, lost, far_options()) > 0) {
-        unchecked_ = 0;
-        look_at_all(false);
-        continue;
-      }
+      if (crossings == Crossings::mended) continue;
+      if (flip_far(surface_, mesh_, lost, far_options()) > 0) continue;
       look_back(lost);
-      const bool near_enough = largest_distance(lost) <= kAcceptedPart * options_.tolerance;
-      if (whole_ && near_enough && (lost.empty() || pass > 0)) {
-        result_.error = std::max(largest_distance(lost), kRefined * options_.tolerance);
+      const double distance = largest_distance(lost);
+      const bool near_enough = distance <= kAcceptedPart * options_.tolerance;
+      if (near_enough && (lost.empty() || pass > 0)) {
+        result_.error = std::max(distance, kRefined * options_.tolerance);
         break;
       }
-      const bool was_whole = whole_;
-      look_at_all(false);
-      if (!lost.empty() && !insert_points(surface_, mesh_, lost).empty()) continue;
-      if (was_whole) {
-        result_.error = largest_distance(lost);
+      if (insert_points(surface_, mesh_, lost).empty()) {
+        result_.error = distance;
         break;
       }
-      look_at_all(true);
     }
     return std::move(result_);
   }
@@ -130,14 +90,9 @@ class Bringer {
     if (options_.progress != nullptr) options_.progress->report(stage, 0.0);
   }
 
-  void look_at_all(bool all) {
-    whole_ = all;
-    refinement_.first_new = all ? 0 : vertex_count(mesh_);
-  }
-
   FarOptions far_options() const {
     FarOptions options;
-    options.tolerance = refinement_.tolerance;
+    options.tolerance = kRefined * options_.tolerance;
     options.small = options_.small;
     options.longest_way = 100 * options_.tolerance;
     return options;
@@ -149,34 +104,60 @@ class Bringer {
     trouble.insert(trouble.end(), crossing.begin(), crossing.end());
   }
 
+  /// The triangles that are not known to be near the surface, and those that have to be nearer.
+  std::vector<std::uint32_t> unknown(const std::vector<bool>& close) const {
+    std::vector<std::uint32_t> found = near_.others(mesh_);
+    if (close.empty()) return found;
+    const auto is_close = [&](TriangleMesh::Index v) { return close[v]; };
+    for (std::uint32_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const auto& corners = mesh_.triangles[t];
+      if (std::all_of(corners.begin(), corners.end(), is_close)) found.push_back(t);
+    }
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
+    return found;
+  }
+
   /// Returns what could not be brought near.
   std::vector<LostPoint> refine_once(bool first) {
     std::vector<bool> close;
-    if (!close_.empty()) {
-      close = vertices_near(mesh_, close_);
-      refinement_.close = &close;
-      refinement_.closer = kCloser * options_.tolerance;
-    }
+    if (!close_.empty()) close = vertices_near(mesh_, close_);
+    const std::vector<std::uint32_t> looked_at = unknown(close);
+    RefineOptions refinement;
+    refinement.tolerance = kRefined * options_.tolerance;
+    refinement.small = options_.small;
+    refinement.first_looked_at = &looked_at;
+    refinement.close = close.empty() ? nullptr : &close;
+    refinement.closer = kCloser * options_.tolerance;
+    refinement.max_triangles = options_.max_triangles;
+    refinement.progress = options_.progress;
     RefineStatistics refined;
-    mesh_ = refine(surface_, std::move(mesh_), refinement_, &refined);
-    refinement_.close = nullptr;
+    mesh_ = refine(surface_, std::move(mesh_), refinement, &refined);
     result_.jets += mesh_.triangles.size();
+    std::vector<std::uint64_t> far;
+    for (const LostPoint& lost : refined.far) far.push_back(triangle_key(mesh_, lost.triangle));
     if (first) {
-      ImproveOptions improvement;
-      improvement.tolerance = kRefined * options_.tolerance;
-      improvement.small = options_.small;
-      improvement.progress = options_.progress;
-      mesh_ = improve(surface_, std::move(mesh_), improvement);
+      improve_once();
       find_again(refined.far, mesh_);
     }
+    near_ = TriangleSet(mesh_);
+    for (const std::uint64_t key : far) near_.remove(key);
     return std::move(refined.far);
+  }
+
+  void improve_once() {
+    ImproveOptions improvement;
+    improvement.tolerance = kRefined * options_.tolerance;
+    improvement.small = options_.small;
+    improvement.progress = options_.progress;
+    mesh_ = improve(surface_, std::move(mesh_), improvement);
   }
 
   /// Triangles that cross are first to be smaller there, as those that are mended may be farther
   /// from the surface. None: there were none. Left: nothing helps.
   Crossings part_crossings(std::span<const LostPoint> lost) {
     begin("mend");
-    SelfIntersections found = find_new_intersections(mesh_, unchecked_, kMostPairs);
+    SelfIntersections found = find_new_intersections(mesh_, apart_, kMostPairs);
     const std::vector<Vec3d> crossing = places_of(found, mesh_);
     put_down(lost, crossing);
     if (!crossing.empty()) {
@@ -188,42 +169,63 @@ class Bringer {
         return Crossings::left;
       }
     }
-    unchecked_ = vertex_count(mesh_);
+    apart_ = TriangleSet(mesh_);
     return crossing.empty() ? Crossings::none : Crossings::mended;
   }
 
-  /// Adds the points of the surface that the mesh misses. Not every pass asks about all of them,
-  /// but the first and the last one do.
+  /// Adds the points of the surface that the mesh misses, the farthest first. Only those are asked
+  /// about whose triangle is no more, or is not near.
   void look_back(std::vector<LostPoint>& lost) {
     begin("look back");
-    const double distance = kLost * options_.tolerance;
-    if (whole_ || !looked_) {
-      missed_ = lost_points(mesh_, on_surface_, distance);
-      looked_ = true;
-    } else if (!missed_.empty()) {
-      std::vector<Vec3d> again;
-      again.reserve(missed_.size());
-      for (const LostPoint& point : missed_) again.push_back(point.on_surface);
-      missed_ = lost_points(mesh_, again, distance);
+    covered_by_.resize(on_surface_.size(), 0);
+    std::vector<std::uint32_t> asked;
+    for (std::uint32_t i = 0; i < on_surface_.size(); ++i) {
+      if (covered_by_[i] == 0 || !near_.contains(covered_by_[i])) asked.push_back(i);
     }
-    lost.insert(lost.end(), missed_.begin(), missed_.end());
-    put_down(missed_, {});
+    if (asked.empty()) return;
+    std::vector<LostPoint> missed = missed_of(asked);
+    std::stable_sort(missed.begin(), missed.end(), [](const LostPoint& a, const LostPoint& b) {
+      return a.distance > b.distance;
+    });
+    lost.insert(lost.end(), missed.begin(), missed.end());
+    put_down(missed, {});
+  }
+
+  /// Those of these points of the surface that are too far from the mesh; notes which triangles the
+  /// others are near.
+  std::vector<LostPoint> missed_of(std::span<const std::uint32_t> asked) {
+    constexpr std::size_t kChunk = 1024;
+    const ClosestPoint tree(mesh_);
+    std::vector<std::vector<LostPoint>> chunks((asked.size() + kChunk - 1) / kChunk);
+    tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
+      const auto some = asked.subspan(kChunk * i, std::min(kChunk, asked.size() - kChunk * i));
+      std::vector<Vec3d> points;
+      for (const std::uint32_t p : some) points.push_back(on_surface_[p]);
+      tree.nearest_each(points, [&](std::size_t k, const ClosestPoint::Hit& hit) {
+        if (hit.distance > kLost * options_.tolerance) {
+          covered_by_[some[k]] = 0;
+          chunks[i].push_back({points[k], hit.point, hit.distance, hit.triangle});
+        } else {
+          covered_by_[some[k]] = triangle_key(mesh_, hit.triangle);
+        }
+      });
+    });
+    std::vector<LostPoint> missed;
+    for (const auto& chunk : chunks) missed.insert(missed.end(), chunk.begin(), chunk.end());
+    return missed;
   }
 
   const ImplicitSurface& surface_;
   TriangleMesh& mesh_;
   std::span<const Vec3d> on_surface_;
   const BringNearOptions& options_;
-  RefineOptions refinement_;
   BroughtNear result_;
-  bool whole_ = true;  ///< whether the pass looks at all triangles, not just at those changed
+  TriangleSet near_;                       ///< those known to be near the surface
+  TriangleSet apart_;                      ///< of which no two cross
+  std::vector<std::uint64_t> covered_by_;  ///< a triangle near each point of the surface, or 0
   std::vector<Vec3d> close_;  ///< where sheets come close, so that triangles have to be smaller
   int mends_ = 0;
   std::size_t crossing_before_ = std::numeric_limits<std::size_t>::max();
-  /// Triangles without a vertex from there on do not cross.
-  TriangleMesh::Index unchecked_ = 0;
-  std::vector<LostPoint> missed_;  ///< of the points of the surface
-  bool looked_ = false;            ///< at all of them
 };
 
 }  // namespace
