@@ -12,9 +12,10 @@
 namespace cs2mesh {
 namespace {
 
-constexpr std::array kReasons{Doubt::distance, Doubt::fold, Doubt::topology, Doubt::crease};
+constexpr std::array kReasons{Doubt::distance, Doubt::fold, Doubt::topology, Doubt::crease,
+                              Doubt::profile};
 
-/// Linear RGB: red, yellow, blue, magenta.
+/// Linear RGB: red, yellow, blue, magenta, green.
 Vec3<float> color_of(Doubt doubt) {
   switch (doubt) {
     case Doubt::distance:
@@ -23,6 +24,8 @@ Vec3<float> color_of(Doubt doubt) {
       return {0.8F, 0.6F, 0.0F};
     case Doubt::topology:
       return {0.02F, 0.1F, 0.8F};
+    case Doubt::profile:
+      return {0.05F, 0.6F, 0.05F};
     default:
       return {0.7F, 0.02F, 0.6F};
   }
@@ -62,8 +65,9 @@ void append_box(TriangleMesh& mesh, const Aabb& box) {
 
 }  // namespace
 
-std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const CompiledScene& compiled,
-                                           const Fineness& fineness, Console& console) {
+std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
+                                           const Fineness& fineness, bool refine,
+                                           Console& console) {
   constexpr double kNeck = 1.0 / 64;  // of the thinnest radius: what necks and gaps are larger than
   std::vector<PartCertificate> certificates;
   for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
@@ -75,9 +79,10 @@ std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const Comp
     CertifyOptions options;
     options.tolerance = fineness.tolerance;
     options.progress = &console.progress();
+    TriangleMesh& mesh = meshed.model.parts[i].mesh;
     certificates.push_back(
-        {part.name,
-         console.take(certify(*part.surface, meshed.model.parts[i].mesh, topology, options))});
+        {part.name, console.take(refine ? certify_refined(*part.surface, mesh, topology, options)
+                                        : certify(*part.surface, mesh, topology, options))});
   }
   return certificates;
 }
@@ -148,12 +153,13 @@ Model picture_of_doubts(const MeshedScene& meshed,
   return model;
 }
 
-std::vector<PartCertificate> certify_if_asked(const MeshedScene& meshed,
-                                              const CompiledScene& compiled,
+std::vector<PartCertificate> certify_if_asked(MeshedScene& meshed, const CompiledScene& compiled,
                                               const Fineness& fineness, const MeshRequest& request,
                                               Json report, Console& console) {
   if (!request.wants_certificate()) return {};
-  std::vector<PartCertificate> certificates = certify_parts(meshed, compiled, fineness, console);
+  const bool refine = request.certify && !(fineness.cell > 0) && !fineness.budgeted;
+  std::vector<PartCertificate> certificates =
+      certify_parts(meshed, compiled, fineness, refine, console);
   console.say(summary(certificates));
   if (!request.certificate.empty()) {
     const WhileWriting guard;

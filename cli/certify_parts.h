@@ -14,10 +14,11 @@ struct PartCertificate {
   Certificate certificate;
 };
 
-/// Certifies every part by itself, before parts are united. Throws Exit where that is interrupted
-/// or takes more cells than there may be.
-std::vector<PartCertificate> certify_parts(const MeshedScene& meshed, const CompiledScene& compiled,
-                                           const Fineness& fineness, Console& console);
+/// Certifies every part by itself, before parts are united; with `refine` their triangles are cut
+/// where nothing can be proven of them as they are. Throws Exit where that is interrupted or takes
+/// more cells than there may be.
+std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
+                                           const Fineness& fineness, bool refine, Console& console);
 
 /// Adds `certified`, the share of the area, `uncertified`, how many places there are of each
 /// reason, and to `listed` the first 1000 of them of each part.
@@ -34,9 +35,9 @@ Model picture_of_doubts(const MeshedScene& meshed,
                         const std::vector<PartCertificate>& certificates);
 
 /// Certifies the parts if that was asked for, and writes the picture if that was. With --certify
-/// throws Exit{kToleranceMissed}, the report delivered, if anything is in doubt.
-std::vector<PartCertificate> certify_if_asked(const MeshedScene& meshed,
-                                              const CompiledScene& compiled,
+/// their triangles are cut where that helps, unless their cells or number are set; it throws
+/// Exit{kToleranceMissed}, the report delivered, if anything is in doubt.
+std::vector<PartCertificate> certify_if_asked(MeshedScene& meshed, const CompiledScene& compiled,
                                               const Fineness& fineness, const MeshRequest& request,
                                               Json report, Console& console);
 

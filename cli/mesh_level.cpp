@@ -122,7 +122,7 @@ void finish(const MeshRun& run, MeshLevel& level) {
 }  // namespace
 
 MeshedScene mesh_united(const MeshRun& run, const Fineness& fineness,
-                        const std::function<void(const MeshedScene&)>& look) {
+                        const std::function<void(MeshedScene&)>& look) {
   run.watch.start("extract");
   MeshedScene meshed = mesh_parts(run.compiled, run.scene, fineness, run.console);
   if (look) look(meshed);
@@ -135,7 +135,7 @@ MeshedScene mesh_united(const MeshRun& run, const Fineness& fineness,
 
 MeshLevel mesh_first_level(const MeshRun& run, const Fineness& fineness, const Json& report) {
   MeshLevel level;
-  const auto certify = [&](const MeshedScene& parts) {
+  const auto certify = [&](MeshedScene& parts) {
     if (!run.request.wants_certificate()) return;
     run.watch.start("certify");
     level.certificates =

@@ -33,9 +33,9 @@ struct MeshLevel {
 };
 
 /// Meshes all parts and unites them if that was asked for; `look`, if there is one, is shown the
-/// parts before that.
+/// parts before that and may change their meshes.
 MeshedScene mesh_united(const MeshRun& run, const Fineness& fineness,
-                        const std::function<void(const MeshedScene&)>& look = {});
+                        const std::function<void(MeshedScene&)>& look = {});
 
 /// Meshes, certifies, unites, measures and checks, as far as that was asked for. What is off when
 /// it is measured is meshed again, finer. `report` is delivered where a certificate is refused.

@@ -81,8 +81,9 @@ void add_proof_options(CLI::App& app, MeshRequest& request) {
       "mesh it finer; status 5, and no mesh, if it still is");
   CLI::Option* certify =
       app.add_flag("--certify", request.certify,
-                   "prove that the mesh is within the tolerance and of the surface's topology; "
-                   "status 5, and no mesh, where any of it could not be proven");
+                   "prove that the mesh is within the tolerance and of the surface's topology, "
+                   "cutting triangles where that takes smaller ones; status 5, and no mesh, where "
+                   "any of it could not be proven");
   CLI::Option* certificate =
       app.add_option("--certificate", request.certificate,
                      "prove it likewise, and write to this PLY file what could not be proven")

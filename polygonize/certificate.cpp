@@ -10,271 +10,20 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/box_pairs.h"
+#include "polygonize/check.h"
 #include "polygonize/mesh_components.h"
-#include "polygonize/shell_prover.h"
+#include "polygonize/near_intersections.h"
+#include "polygonize/refine.h"
+#include "polygonize/shell_certifier.h"
+#include "polygonize/unfold.h"
 
 namespace cs2mesh {
 namespace {
-
-using Index = TriangleMesh::Index;
-
-/// Triangles that share a restriction of the surface.
-constexpr std::size_t kChunk = 64;
-/// The shell reaches beyond where the surface seems to be by these parts of that distance and of
-/// the tolerance: room for the bounds to show it.
-constexpr double kRoom = 0.2, kLeast = 0.03;
-/// At first not beyond this part of the tolerance: the estimate may be far too large.
-constexpr double kMostAtFirst = 0.7;
-/// Where that is not enough, it is made thicker, this often.
-constexpr int kThickenings = 6;
-constexpr double kThicker = 1.5;
-/// Of the tolerance, for the rounding of lengths.
-constexpr double kWhole = 1 - 1e-9;
 
 Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& t = mesh.triangles[triangle];
   return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0;
 }
-
-/// All triangles, neighbours in number near each other in space.
-std::vector<std::uint32_t> by_place(const TriangleMesh& mesh) {
-  const Aabb all = bounds(mesh);
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> coded(mesh.triangles.size());
-  for (std::size_t t = 0; t < coded.size(); ++t) {
-    coded[t] = {morton_code(all, centroid(mesh, t)), static_cast<std::uint32_t>(t)};
-  }
-  tbb::parallel_sort(coded.begin(), coded.end());
-  std::vector<std::uint32_t> order;
-  order.reserve(coded.size());
-  for (const auto& [code, t] : coded) order.push_back(t);
-  return order;
-}
-
-/// What there is of a triangle: how far the surface seems to be outside and inside of it, and unit
-/// normals, its own and those of the surface at some points.
-struct Look {
-  double outer = 0.0, inner = 0.0;
-  std::array<Vec3d, 8> normals;
-};
-
-/// For each vertex a unit direction that leaves the triangles around and the surface near them as
-/// steeply as can be: begun with the mean of the normals, then drawn towards whichever is farthest.
-std::vector<Vec3d> steepest_directions(const TriangleMesh& mesh, std::span<const Look> looks) {
-  constexpr int kRounds = 12;
-  std::vector<Vec3d> directions(mesh.positions.size());
-  for (std::size_t t = 0; t < looks.size(); ++t) {
-    for (const Index v : mesh.triangles[t]) directions[v] += looks[t].normals[0];
-  }
-  const auto normalize_all = [&directions] {
-    for (Vec3d& d : directions) {
-      if (norm(d) > 0) d = normalized(d);
-    }
-  };
-  normalize_all();
-  for (int round = 1; round <= kRounds; ++round) {
-    std::vector<double> least(directions.size(), 2.0);
-    std::vector<Vec3d> farthest(directions.size());
-    for (std::size_t t = 0; t < looks.size(); ++t) {
-      for (const Index v : mesh.triangles[t]) {
-        for (const Vec3d& normal : looks[t].normals) {
-          const double cosine = dot(normal, directions[v]);
-          if (cosine < least[v]) least[v] = cosine, farthest[v] = normal;
-        }
-      }
-    }
-    for (std::size_t v = 0; v < least.size(); ++v) directions[v] += (0.5 / round) * farthest[v];
-    normalize_all();
-  }
-  return directions;
-}
-
-class Certifier {
- public:
-  Certifier(const ImplicitSurface& surface, const TriangleMesh& mesh, const CertifyOptions& options)
-      : surface_(surface), mesh_(mesh), options_(options), order_(by_place(mesh)) {
-    findings_.assign(mesh.triangles.size(), {});
-  }
-
-  /// False if cancelled.
-  bool run() {
-    if (!shape_shell()) return false;
-    std::vector<std::uint32_t> open = order_;
-    for (int round = 0; !open.empty(); ++round) {
-      if (!look_at(open, Question::signs)) return false;
-      if (round == kThickenings) break;
-      open = thickened();
-    }
-    open.clear();
-    for (const std::uint32_t t : order_) {
-      if (findings_[t].doubt == Doubt::none) open.push_back(t);
-    }
-    if (!look_at(open, Question::slopes)) return false;
-    settle_folds();
-    return true;
-  }
-
-  std::vector<Doubt> doubts() const {
-    std::vector<Doubt> doubts;
-    for (const Finding& finding : findings_) doubts.push_back(finding.doubt);
-    return doubts;
-  }
-  const OffsetShell& shell() const { return shell_; }
-  const ProverCounts& counts() const { return counts_; }
-
- private:
-  template <class F>
-  bool for_each_chunk(std::span<const std::uint32_t> triangles, F&& f) {
-    const std::size_t chunks = (triangles.size() + kChunk - 1) / kChunk;
-    std::vector<ProverCounts> counts(chunks);
-    tbb::parallel_for(std::size_t{0}, chunks, [&](std::size_t i) {
-      if (cancelled(options_.progress)) return;
-      f(triangles.subspan(kChunk * i, std::min(kChunk, triangles.size() - kChunk * i)), counts[i]);
-    });
-    for (const ProverCounts& c : counts) counts_ += c;
-    return !cancelled(options_.progress);
-  }
-
-  /// Lengths by the sag of the triangles around.
-  bool shape_shell() {
-    std::vector<Look> looks(mesh_.triangles.size());
-    const auto measure = [&](std::span<const std::uint32_t> chunk, ProverCounts& counts) {
-      look_around(chunk, looks, counts);
-    };
-    if (!for_each_chunk(order_, measure)) return false;
-    const std::size_t vertices = mesh_.positions.size();
-    shell_.direction = steepest_directions(mesh_, looks);
-    shell_.outer.assign(vertices, kLeast * options_.tolerance);
-    shell_.inner.assign(vertices, kLeast * options_.tolerance);
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      for (const Index v : mesh_.triangles[t]) {
-        for (const auto& [sag, length] : {std::pair(looks[t].outer, &shell_.outer[v]),
-                                          std::pair(looks[t].inner, &shell_.inner[v])}) {
-          const double wanted = (1 + kRoom) * sag + kLeast * options_.tolerance;
-          *length = std::max(*length, std::min(wanted, kMostAtFirst * options_.tolerance));
-        }
-      }
-    }
-    return true;
-  }
-
-  void look_around(std::span<const std::uint32_t> chunk, std::vector<Look>& looks,
-                   ProverCounts& counts) const {
-    constexpr std::size_t kPoints = 7;
-    Aabb box;
-    std::vector<Vec3d> points;
-    for (const std::uint32_t t : chunk) {
-      box.include(bounds(mesh_, t));
-      const auto& corners = mesh_.triangles[t];
-      for (const Index v : corners) points.push_back(mesh_.positions[v]);
-      for (std::size_t k = 0; k < 3; ++k) {
-        points.push_back(0.5 *
-                         (mesh_.positions[corners[k]] + mesh_.positions[corners[(k + 1) % 3]]));
-      }
-      points.push_back(centroid(mesh_, t));
-    }
-    const auto part = surface_.restrict_to(box);
-    const HullBound bound = part->hull_bound(std::array{box.min, box.max}, {});
-    std::vector<Jet> jets(points.size());
-    part->jets(points, jets);
-    counts.values += points.size();
-    counts.gradients += points.size();
-    for (std::size_t i = 0; i < chunk.size(); ++i) {
-      const Vec3d area = area_vector(mesh_, chunk[i]);
-      if (norm(area) > 0) looks[chunk[i]].normals[0] = normalized(area);
-      for (std::size_t k = 0; k < kPoints; ++k) {
-        const Jet& jet = jets[kPoints * i + k];
-        const Vec3d gradient = bound.gradient(jet);
-        const double height = 0.5 * (bound.low(jet.value) + bound.high(jet.value)) / norm(gradient);
-        Look& look = looks[chunk[i]];
-        if (norm(gradient) > 0) look.normals[k + 1] = -normalized(gradient);
-        if (height > 0) look.outer = std::max(look.outer, height);
-        if (height < 0) look.inner = std::max(look.inner, -height);
-      }
-    }
-  }
-
-  bool look_at(std::span<const std::uint32_t> triangles, Question question) {
-    return for_each_chunk(triangles,
-                          [&](std::span<const std::uint32_t> chunk, ProverCounts& counts) {
-                            const std::vector<Finding> found =
-                                look_into(surface_, mesh_, shell_, chunk, question, counts);
-                            for (std::size_t i = 0; i < chunk.size(); ++i)
-                              findings_[chunk[i]] = found[i];
-                          });
-  }
-
-  /// Makes the shell thicker around triangles whose distance is in doubt; returns those that this
-  /// concerns.
-  std::vector<std::uint32_t> thickened() {
-    std::vector<bool> changed(mesh_.positions.size(), false);
-    std::vector<bool> outer = changed, inner = changed;
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      for (const Index v : mesh_.triangles[t]) {
-        if (findings_[t].outer) outer[v] = true;
-        if (findings_[t].inner) inner[v] = true;
-      }
-    }
-    const double most = kWhole * options_.tolerance;
-    const auto thicken = [&](std::size_t v, double& length) {
-      if (length >= most) return;
-      length = std::min(kThicker * length, most);
-      changed[v] = true;
-    };
-    for (std::size_t v = 0; v < changed.size(); ++v) {
-      if (outer[v]) thicken(v, shell_.outer[v]);
-      if (inner[v]) thicken(v, shell_.inner[v]);
-    }
-    std::vector<std::uint32_t> open;
-    for (const std::uint32_t t : order_) {
-      const auto& c = mesh_.triangles[t];
-      if (changed[c[0]] || changed[c[1]] || changed[c[2]]) open.push_back(t);
-    }
-    return open;
-  }
-
-  /// Where the gradients leave open whether layers can meet, their prisms tell: those of neighbours
-  /// are on different sides of their border, and the others are to be apart.
-  void settle_folds() {
-    const auto hangs = [this](std::size_t t) {
-      return findings_[t].doubt == Doubt::fold && findings_[t].rises;
-    };
-    const std::size_t count = mesh_.triangles.size();
-    std::vector<char> apart(count, 0);
-    for (std::size_t t = 0; t < count; ++t) apart[t] = hangs(t) ? 1 : 0;
-    if (std::none_of(apart.begin(), apart.end(), [](char a) { return a != 0; })) return;
-    std::vector<Aabb> boxes(count);
-    for (std::size_t t = 0; t < count; ++t) {
-      for (const Vec3d& p : prism_corners(mesh_, shell_, t)) boxes[t].include(p);
-    }
-    const BoxPairs pairs(boxes);
-    for (std::size_t group = 0; group < pairs.group_count(); ++group) {
-      pairs.for_each_pair(group, [&](std::uint32_t a, std::uint32_t b) {
-        if ((apart[a] == 0 && apart[b] == 0) || share_a_corner(a, b)) return;
-        if (are_apart(prism_corners(mesh_, shell_, a), prism_corners(mesh_, shell_, b))) return;
-        apart[a] = apart[b] = 0;
-      });
-    }
-    for (std::size_t t = 0; t < count; ++t) {
-      if (apart[t] != 0) findings_[t] = {};
-    }
-  }
-
-  bool share_a_corner(std::uint32_t a, std::uint32_t b) const {
-    for (const Index v : mesh_.triangles[a]) {
-      const auto& corners = mesh_.triangles[b];
-      if (std::find(corners.begin(), corners.end(), v) != corners.end()) return true;
-    }
-    return false;
-  }
-
-  const ImplicitSurface& surface_;
-  const TriangleMesh& mesh_;
-  const CertifyOptions& options_;
-  std::vector<std::uint32_t> order_;
-  OffsetShell shell_;
-  std::vector<Finding> findings_;
-  ProverCounts counts_;
-};
 
 /// Puts triangles that reach into open cells in doubt; returns the cells that none reaches into.
 std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb> open,
@@ -301,7 +50,7 @@ std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb>
 }
 
 bool leaves_sign_open(Doubt doubt) {
-  return doubt == Doubt::distance || doubt == Doubt::crease;
+  return doubt != Doubt::none && doubt != Doubt::fold && doubt != Doubt::topology;
 }
 
 /// Regions that the mesh does not account for: it parts space in one more than it has components.
@@ -310,12 +59,8 @@ std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& to
                                const OffsetShell& shell, std::span<const Doubt> doubts) {
   TopologyProof::KnownPoints known;
   const auto inner = static_cast<std::uint32_t>(mesh.positions.size());
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    known.points.push_back(mesh.positions[v] + shell.outer[v] * shell.direction[v]);
-  }
-  for (std::size_t v = 0; v < mesh.positions.size(); ++v) {
-    known.points.push_back(mesh.positions[v] - shell.inner[v] * shell.direction[v]);
-  }
+  for (std::uint32_t v = 0; v < inner; ++v) known.points.push_back(shell.outer_place(mesh, v));
+  for (std::uint32_t v = 0; v < inner; ++v) known.points.push_back(shell.inner_place(mesh, v));
   known.inside.assign(inner, false);
   known.inside.resize(known.points.size(), true);
   std::vector<bool> certified(mesh.positions.size(), false);
@@ -381,30 +126,184 @@ std::string_view name(Doubt doubt) {
       return "topology";
     case Doubt::crease:
       return "crease";
+    case Doubt::profile:
+      return "profile";
   }
   return "none";
 }
+
+namespace {
+
+/// What is proven of the mesh that the certifier has looked at.
+Certificate certificate_of(const TriangleMesh& mesh, const ShellCertifier& certifier,
+                           const TopologyProof& topology) {
+  Certificate certificate;
+  certificate.doubts = certifier.doubts();
+  certificate.values = certifier.counts().values;
+  certificate.gradients = certifier.counts().gradients;
+  certificate.bounds = certifier.counts().bounds;
+  std::vector<Aabb> cells = lost_regions(mesh, topology, certifier.shell(), certificate.doubts);
+  const std::vector<Aabb> alone = doubt_topology(mesh, topology.open(), certificate.doubts);
+  cells.insert(cells.end(), alone.begin(), alone.end());
+  sum_up(mesh, cells, certificate);
+  return certificate;
+}
+
+/// That of the triangles that may be certified once they are smaller.
+double area_in_doubt(const TriangleMesh& mesh, const ShellCertifier& certifier) {
+  const std::vector<Doubt> doubts = certifier.doubts();
+  double area = 0.0;
+  for (std::size_t t = 0; t < doubts.size(); ++t) {
+    if (doubts[t] == Doubt::distance || doubts[t] == Doubt::fold) {
+      area += norm(area_vector(mesh, t));
+    }
+  }
+  return area;
+}
+
+/// Cuts these triangles through the middle of their longest edges, and others as it takes.
+TriangleMesh cut(const ImplicitSurface& surface, const TriangleMesh& mesh,
+                 const std::vector<std::uint32_t>& triangles, const CertifyOptions& options) {
+  constexpr double kAlways = 1e-12;  // too far, however near
+  const std::vector<bool> close(mesh.positions.size(), true);
+  RefineOptions refinement;
+  refinement.tolerance = options.tolerance;
+  refinement.most_rounds = 1;
+  refinement.first_looked_at = &triangles;
+  refinement.close = &close;
+  refinement.closer = kAlways * options.tolerance;
+  return refine(surface, mesh, refinement);
+}
+
+/// The triangles that cross others near some that are new; if there are none, those that do once
+/// rounded to floats, as files have them.
+template <class IsNew>
+std::vector<std::uint32_t> crossing_near(const TriangleMesh& mesh, const IsNew& is_new) {
+  constexpr std::size_t kMostPairs = 1000;
+  const auto look = [&](const TriangleMesh& as) {
+    std::vector<Aabb> boxes;
+    for (std::size_t t = 0; t < as.triangles.size(); ++t) {
+      if (is_new(t)) boxes.push_back(bounds(as, t));
+    }
+    std::vector<std::uint32_t> triangles;
+    for (const auto& pair : find_intersections_near(as, std::move(boxes), kMostPairs).pairs) {
+      triangles.insert(triangles.end(), pair.begin(), pair.end());
+    }
+    std::sort(triangles.begin(), triangles.end());
+    triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+    return triangles;
+  };
+  std::vector<std::uint32_t> triangles = look(mesh);
+  if (triangles.empty()) triangles = look(rounded_to_float(mesh));
+  return triangles;
+}
+
+/// Flips edges of triangles that turn their back on the surface, unless that does harm.
+void flip_edges(TriangleMesh& mesh, ShellCertifier& certifier) {
+  TriangleMesh flipped = mesh;
+  if (unfold(flipped, certifier.normals()) == 0) return;
+  const auto is_new = [&](std::size_t t) { return flipped.triangles[t] != mesh.triangles[t]; };
+  if (!crossing_near(flipped, is_new).empty()) return;
+  ShellCertifier then = certifier;
+  if (!then.run(flipped)) return;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (is_new(t) && !then.seems_near(t)) return;
+  }
+  if (!(area_in_doubt(flipped, then) < area_in_doubt(mesh, certifier))) return;
+  mesh = std::move(flipped);
+  certifier = std::move(then);
+}
+
+/// Those of some triangles that are near none of some of another mesh.
+std::vector<std::uint32_t> away_from(const TriangleMesh& mesh,
+                                     std::span<const std::uint32_t> triangles,
+                                     const TriangleMesh& other,
+                                     std::span<const std::uint32_t> avoided) {
+  std::vector<Aabb> boxes;
+  for (const std::uint32_t t : avoided) {
+    const Aabb box = bounds(other, t);
+    boxes.push_back(box.grown(box.diagonal()));
+  }
+  std::vector<std::uint32_t> away;
+  std::copy_if(triangles.begin(), triangles.end(), std::back_inserter(away), [&](std::uint32_t t) {
+    const Aabb own = bounds(mesh, t);
+    return std::none_of(boxes.begin(), boxes.end(),
+                        [&](const Aabb& box) { return box.overlaps(own); });
+  });
+  return away;
+}
+
+/// As cut(), but without triangles that cross. What would come to cross others is cut further, with
+/// these, and if that does not help is left as it was.
+TriangleMesh cut_without_crossing(const ImplicitSurface& surface, const TriangleMesh& mesh,
+                                  std::vector<std::uint32_t> triangles,
+                                  const CertifyOptions& options) {
+  constexpr int kMostCuts = 2, kMostTries = 4;
+  const auto first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
+  for (int attempt = 0; attempt < kMostTries && !triangles.empty(); ++attempt) {
+    TriangleMesh finer = cut(surface, mesh, triangles, options);
+    const auto is_new = [&](std::size_t t) {
+      const auto& corners = finer.triangles[t];
+      return *std::max_element(corners.begin(), corners.end()) >= first_new;
+    };
+    std::vector<std::uint32_t> in_the_way = crossing_near(finer, is_new);
+    for (int again = 0; again < kMostCuts && !in_the_way.empty(); ++again) {
+      finer = cut(surface, finer, in_the_way, options);
+      in_the_way = crossing_near(finer, is_new);
+    }
+    if (in_the_way.empty()) return finer;
+    triangles = away_from(mesh, triangles, finer, in_the_way);
+  }
+  return mesh;
+}
+
+}  // namespace
 
 Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& mesh,
                             const TopologyProof& topology, const CertifyOptions& options) {
   require(options.tolerance > 0 && std::isfinite(options.tolerance),
           "certify: the tolerance must be positive");
-  Certificate certificate;
-  OffsetShell shell;
-  if (!mesh.empty()) {
-    Certifier certifier(surface, mesh, options);
-    if (!certifier.run()) return error_at({}, "interrupted", Failure::interrupted);
-    certificate.doubts = certifier.doubts();
-    certificate.values = certifier.counts().values;
-    certificate.gradients = certifier.counts().gradients;
-    certificate.bounds = certifier.counts().bounds;
-    shell = certifier.shell();
+  ShellCertifier certifier(surface, options.tolerance, options.progress);
+  if (!certifier.run(mesh)) return error_at({}, "interrupted", Failure::interrupted);
+  return certificate_of(mesh, certifier, topology);
+}
+
+Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh& mesh,
+                                    const TopologyProof& topology, const CertifyOptions& options) {
+  require(options.tolerance > 0 && std::isfinite(options.tolerance),
+          "certify_refined: the tolerance must be positive");
+  // Rounds that leave much of the area in doubt are not worth it, but may lead to others that do
+  // not; so the more is in doubt, the longer is that hoped for.
+  constexpr int kMostRounds = 16, kPatience = 3;
+  constexpr double kWorthIt = 0.8, kMuch = 0.005;
+  constexpr std::size_t kMostGrowth = 4;
+  const std::size_t most_triangles = kMostGrowth * mesh.triangles.size();
+  ShellCertifier certifier(surface, options.tolerance, options.progress);
+  if (!certifier.run(mesh)) return error_at({}, "interrupted", Failure::interrupted);
+  flip_edges(mesh, certifier);
+  // Rounds that do not help are taken back.
+  TriangleMesh finer = mesh;
+  ShellCertifier further = certifier;
+  const double much = kMuch * area(mesh);
+  double least = area_in_doubt(mesh, certifier);
+  int vain = 0;
+  for (int round = 0; round < kMostRounds && least > 0; ++round) {
+    if (vain == (least > much ? kPatience : 1)) break;
+    TriangleMesh next = cut_without_crossing(surface, finer, further.worth_cutting(), options);
+    const std::size_t count = next.triangles.size();
+    if (count == finer.triangles.size() || count > most_triangles) break;
+    finer = std::move(next);
+    if (!further.run(finer)) return error_at({}, "interrupted", Failure::interrupted);
+    flip_edges(finer, further);
+    ++vain;
+    const double left = area_in_doubt(finer, further);
+    if (left > kWorthIt * least) continue;
+    mesh = finer;
+    certifier = further;
+    least = left;
+    vain = 0;
   }
-  std::vector<Aabb> cells = lost_regions(mesh, topology, shell, certificate.doubts);
-  const std::vector<Aabb> alone = doubt_topology(mesh, topology.open(), certificate.doubts);
-  cells.insert(cells.end(), alone.begin(), alone.end());
-  sum_up(mesh, cells, certificate);
-  return certificate;
+  return certificate_of(mesh, certifier, topology);
 }
 
 }  // namespace cs2mesh

@@ -6,12 +6,13 @@
 //   distance: F < 0 on all of the outer triangle and F > 0 on the inner one, so that the surface
 //     crosses each segment; o and i are no longer than the tolerance, so every point of the
 //     triangle has surface that near;
-//   fold: all over the prism F falls along all of its segments and along the normals of all the
-//     triangles between inner and outer. So the surface crosses each segment once; and a layer that
-//     moves from the mesh to the shell's outside or inside can touch neither the mesh nor itself,
-//     for where it did, both sides would have -grad F on their outer side. The shell of a mesh that
-//     does not cross itself is then embedded, the surface is a section of it, and the two are
-//     isotopic by moving along the segments.
+//   fold: in the prism F grows inwards along its segments wherever it vanishes, so that the surface
+//     crosses each of them once; and the prism meets no others, or if it may, then F falls all over
+//     it along its segments and the normals of all of its layers. The shell of a mesh that does not
+//     cross itself is then embedded (see offset_shell.h): layers that move outwards come to touch
+//     only where their outer sides face each other, and that is not so where both have -grad F on
+//     their outer side. The surface is a section of the shell, and the two are isotopic by moving
+//     along the segments.
 // No surface crosses the shell's boundary, so a component of the surface lies in the shell or has
 // nothing to do with it. That there is none of the latter kind is for TopologyProof to say: space
 // has no more regions than the mesh parts it in, but perhaps for what is in open leaves.
@@ -39,7 +40,8 @@ enum class Doubt : std::uint8_t {
   distance,  ///< the surface may be farther than the tolerance
   fold,      ///< it may cross the shell more than once, or the shell itself
   topology,  ///< there may be more of it in a cell, or around one, than the mesh has
-  crease,    ///< it bends without bound, as at creases and jumps of strength profiles
+  crease,    ///< it bends without bound, as at creases and corners of strength profiles
+  profile,   ///< F may jump, as at jumps of strength profiles
 };
 std::string_view name(Doubt doubt);
 
@@ -71,13 +73,25 @@ struct CertifyOptions {
 
 /// `topology` is a proof for this surface. The mesh is closed, oriented, 2-manifold and does not
 /// cross itself (see check.h): that is taken for granted. Errors: Failure::interrupted. The same
-/// certificate for any number of threads. Some 35 values and 25 gradients a triangle, of which 7
-/// tell how thick the shell is to be.
+/// certificate for any number of threads. Some 20 to 60 values and 10 to 30 gradients a triangle of
+/// sums of Gaussians, of which 7 tell how thick the shell is to be; several times as many of other
+/// kernels over lengths.
 ///
 /// Not promised: that what is in doubt is wrong. The proof is of the sum F itself, from which
 /// evaluations differ by rounding and the field's error budget; gradients are taken to be good to
 /// Tangent::kSlack; coordinates are those of the mesh, before a format rounds them.
 Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& mesh,
                             const TopologyProof& topology, const CertifyOptions& options);
+
+/// As certify(), but where the distance or a fold is in doubt cuts triangles of the mesh through
+/// the middle of their longest edges, and flips edges where triangles turn their back on the
+/// surface; then looks again, as long as that leaves less area in doubt; at most to four times as
+/// many triangles. Of those that stay what they are is not asked again. Vertices stay where they
+/// are, new ones lie on the surface; the mesh stays closed, oriented and 2-manifold, and triangles
+/// that are new do not cross others, also not when rounded to floats.
+///
+/// Not promised: that all is certified in the end. What is singular is not, as where sheets touch.
+Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh& mesh,
+                                    const TopologyProof& topology, const CertifyOptions& options);
 
 }  // namespace cs2mesh

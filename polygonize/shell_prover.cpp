@@ -11,41 +11,29 @@
 namespace cs2mesh {
 namespace {
 
-/// Prisms are cut as often as this.
+/// Triangles are cut as often as this to find the signs of their layers.
 constexpr int kMostCuts = 4;
 /// Pieces of one triangle that are looked at in one round; with more to do it counts as not proven.
 constexpr std::size_t kMostPieces = 32;
-/// Bounds asked for to show that one triangle's segments are crossed once.
-constexpr int kMostTries = 200;
-
-/// The directions along which F has to grow in a triangle's prism, inwards.
-struct Fan {
-  std::vector<Vec3d> directions;  ///< unit
-  /// The prism is nowhere turned inside out: each segment leaves each layer on the same side.
-  bool straight = false;
-};
-
-/// The normals (not unit) of the layers from a triangle with those two edges to one whose edges
-/// differ by `d1` and `d2` lie between these, Bernstein's coefficients of a quadratic.
-std::array<Vec3d, 3> layer_normals(const Vec3d& e1, const Vec3d& e2, const Vec3d& d1,
-                                   const Vec3d& d2) {
-  const Vec3d first = cross(e1, e2);
-  return {first, first + 0.5 * (cross(e1, d2) + cross(d1, e2)), cross(e1 + d1, e2 + d2)};
-}
+/// Pieces of a prism that are looked at to show that F grows in it.
+constexpr int kMostTries = 100;
 
 /// A triangle's prism or a part of it: the corners are those of the whole with weights.
 struct Piece {
   std::size_t triangle = 0;  ///< its place in the list
   Corners weights{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-  double low = 0.0, high = 1.0;  ///< from where to where it reaches, inner to outer triangle
-  bool outer = true, inner = true, slope = true;  ///< not proven yet
-  bool open() const { return outer || inner || slope; }
+  double low = 0.0, high = 1.0;     ///< from where to where it reaches, inner to outer triangle
+  bool outer = true, inner = true;  ///< the layers whose sign is not proven yet
+  bool open() const { return outer || inner; }
 };
 
 struct Prism {
   Corners outer, inner;
   HullBound bound;
 
+  std::array<Vec3d, 6> corners() const {
+    return {outer[0], outer[1], outer[2], inner[0], inner[1], inner[2]};
+  }
   bool thick() const {
     double height = 0.0, side = 0.0;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -76,49 +64,42 @@ Piece quarter(const Piece& piece, std::size_t which) {
   return part;
 }
 
-/// Looks at triangles in rounds: all pieces of a round are evaluated together.
+/// Looks at neighbouring triangles by a restriction of the surface.
 class Prover {
  public:
   Prover(const ImplicitSurface& surface, const TriangleMesh& mesh, const OffsetShell& shell,
-         std::span<const std::uint32_t> triangles, Question question, ProverCounts& counts)
-      : mesh_(mesh),
-        shell_(shell),
-        triangles_(triangles),
-        slopes_(question == Question::slopes),
-        counts_(counts) {
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-      wholes_.push_back(whole_prism(i));
-      fans_.push_back(fan_of(i));
-    }
+         std::span<const std::uint32_t> triangles, ProverCounts& counts)
+      : mesh_(mesh), shell_(shell), triangles_(triangles), counts_(counts) {
     Aabb box;
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const Prism prism = prism_of({i});
-      for (const Vec3d& p : prism.outer) box.include(p);
-      for (const Vec3d& p : prism.inner) box.include(p);
+      wholes_.push_back(whole_prism(i));
+      for (const Vec3d& p : prism_of({i}).corners()) box.include(p);
     }
     part_ = surface.restrict_to(box);
     findings_.assign(triangles.size(), {});
   }
 
-  std::vector<Finding> run() {
+  /// In rounds: all pieces of a round are evaluated together.
+  std::vector<Finding> signs() {
     std::vector<Piece> pieces;
-    for (std::size_t i = 0; i < triangles_.size(); ++i) {
-      if (slopes_ && !fans_[i].straight) {
-        findings_[i].doubt = Doubt::fold;
-        continue;
-      }
-      pieces.push_back({i});
-      pieces.back().outer = pieces.back().inner = !slopes_;
-      pieces.back().slope = slopes_;
-    }
+    for (std::size_t i = 0; i < triangles_.size(); ++i) pieces.push_back({i});
     for (int cuts = 0; !pieces.empty(); ++cuts) {
       look_at(pieces);
-      pieces = cuts < kMostCuts ? parts_of(pieces) : give_up_on(pieces);
+      if (cuts == kMostCuts) {
+        give_up_on(pieces);
+        break;
+      }
+      pieces = parts_of(pieces);
     }
+    return findings_;
+  }
+
+  std::vector<Finding> growth(Question question) {
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       int tries = kMostTries;
-      findings_[i].rises =
-          findings_[i].doubt == Doubt::fold && fans_[i].straight && rises_in({i}, tries);
+      const std::vector<Vec3d> directions = directions_of(i, question);
+      if (grows_in({i}, directions, question, tries)) continue;
+      findings_[i].doubt = doubt_of({i}, Doubt::fold);
     }
     return findings_;
   }
@@ -140,24 +121,6 @@ class Prover {
     return whole;
   }
 
-  Fan fan_of(std::size_t i) const {
-    const Whole& w = wholes_[i];
-    const auto& corners = mesh_.triangles[triangles_[i]];
-    const Vec3d e1 = w.base[1] - w.base[0], e2 = w.base[2] - w.base[0];
-    Fan fan;
-    fan.straight = true;
-    for (const TriangleMesh::Index v : corners) fan.directions.push_back(-shell_.direction[v]);
-    for (const Corners& way : {w.out, w.in}) {
-      for (const Vec3d& normal : layer_normals(e1, e2, way[1] - way[0], way[2] - way[0])) {
-        for (const TriangleMesh::Index v : corners) {
-          fan.straight = fan.straight && dot(normal, shell_.direction[v]) > 0;
-        }
-        if (fan.straight) fan.directions.push_back(-normalized(normal));
-      }
-    }
-    return fan;
-  }
-
   Prism prism_of(const Piece& piece) const {
     const Whole& whole = wholes_[piece.triangle];
     Prism prism;
@@ -171,24 +134,36 @@ class Prover {
     return prism;
   }
 
-  /// Of the whole prism for a slope, for a sign of the layer alone.
+  /// Inwards along the segments of a prism, and where that is asked for the normals of its layers.
+  std::vector<Vec3d> directions_of(std::size_t i, Question question) const {
+    std::vector<Vec3d> directions;
+    for (const auto v : mesh_.triangles[triangles_[i]]) directions.push_back(-shell_.direction[v]);
+    if (question == Question::layers) {
+      for (const Vec3d& normal : layer_normals(mesh_, shell_, triangles_[i])) {
+        directions.push_back(-normalized(normal));
+      }
+    }
+    return directions;
+  }
+
+  // ---- Signs ----
+
+  /// Of the layers whose sign is open.
   HullBound bound_of(const Piece& piece, const Prism& prism) {
     std::vector<Vec3d> hull;
-    if (piece.outer || piece.slope) hull.assign(prism.outer.begin(), prism.outer.end());
-    if (piece.inner || piece.slope) hull.insert(hull.end(), prism.inner.begin(), prism.inner.end());
+    if (piece.outer) hull.assign(prism.outer.begin(), prism.outer.end());
+    if (piece.inner) hull.insert(hull.end(), prism.inner.begin(), prism.inner.end());
     ++counts_.bounds;
-    const std::span<const Vec3d> directions = fans_[piece.triangle].directions;
-    return part_->hull_bound(hull, piece.slope ? directions : directions.first(0));
+    return part_->hull_bound(hull, {});
   }
 
   void look_at(std::vector<Piece>& pieces) {
     prisms_.clear();
     std::vector<Vec3d> inner, outer;
-    for (Piece& piece : pieces) {
+    for (const Piece& piece : pieces) {
       prisms_.push_back(prism_of(piece));
       Prism& prism = prisms_.back();
       prism.bound = bound_of(piece, prism);
-      if (prism.bound.slope > 0) piece.slope = false;
       if (piece.inner) inner.insert(inner.end(), prism.inner.begin(), prism.inner.end());
       if (piece.outer) outer.insert(outer.end(), prism.outer.begin(), prism.outer.end());
     }
@@ -220,7 +195,7 @@ class Prover {
       if (piece.inner) {
         std::array<Tangent, 3> tangents;
         for (std::size_t k = 0; k < 3; ++k, ++jet) {
-          if (!(jets[jet].value > 0)) too_far(piece.triangle).inner = true;
+          if (!(jets[jet].value > 0)) wrong(piece, k, false);
           tangents[k] = {prism.inner[k], bound.low(jets[jet].value), bound.gradient(jets[jet])};
         }
         piece.inner = !(lowest_over(tangents, bound.bend) > 0);
@@ -228,7 +203,7 @@ class Prover {
       if (piece.outer) {
         std::array<double, 3> high{};
         for (std::size_t k = 0; k < 3; ++k, ++value) {
-          if (!(values[value] < 0)) too_far(piece.triangle).outer = true;
+          if (!(values[value] < 0)) wrong(piece, k, true);
           high[k] = bound.high(values[value]);
         }
         piece.outer = !(highest_over(prism.outer, high, bound.bend) < 0);
@@ -236,23 +211,75 @@ class Prover {
     }
   }
 
-  /// Whether F grows inwards along all segments of the piece wherever it may vanish.
-  bool rises_in(const Piece& piece, int& tries) {
+  void wrong(const Piece& piece, std::size_t corner, bool outer) {
+    Finding& finding = findings_[piece.triangle];
+    finding.doubt = Doubt::distance;
+    (outer ? finding.outer : finding.inner) = true;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (piece.weights[corner][k] == 1)
+        (outer ? finding.wrong_outer : finding.wrong_inner)[k] = true;
+    }
+  }
+
+  std::vector<Piece> parts_of(const std::vector<Piece>& pieces) {
+    std::vector<std::size_t> count(triangles_.size(), 0);
+    for (const Piece& piece : pieces) count[piece.triangle] += piece.open() ? 1 : 0;
+    std::vector<Piece> parts, hopeless;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      const Piece& piece = pieces[i];
+      if (!piece.open() || findings_[piece.triangle].doubt == Doubt::distance) continue;
+      if (count[piece.triangle] > kMostPieces) {
+        hopeless.push_back(piece);
+      } else {
+        for (std::size_t k = 0; k < 4; ++k) parts.push_back(quarter(piece, k));
+      }
+    }
+    give_up_on(hopeless);
+    return parts;
+  }
+
+  /// What is in the way of bounds, if anything is, else `usual`.
+  Doubt doubt_of(const Piece& piece, Doubt usual) {
+    const Prism prism = prism_of(piece);
+    if (std::isfinite(bound_of(piece, prism).bend)) return usual;
+    Aabb box;
+    for (const Vec3d& p : prism.corners()) box.include(p);
+    return std::isfinite(part_->derivative_bound(1, box)) ? Doubt::crease : Doubt::profile;
+  }
+
+  void give_up_on(const std::vector<Piece>& pieces) {
+    for (const Piece& piece : pieces) {
+      Finding& finding = findings_[piece.triangle];
+      if (!piece.open() || finding.doubt == Doubt::distance) continue;
+      finding = {doubt_of(piece, Doubt::distance), piece.outer, piece.inner};
+    }
+  }
+
+  // ---- Growth ----
+
+  bool grows_in(const Piece& piece, std::span<const Vec3d> directions, Question question,
+                int& tries) {
     if (--tries < 0) return false;
     const Prism prism = prism_of(piece);
-    std::array<Vec3d, 6> hull;
-    std::copy(prism.outer.begin(), prism.outer.end(), hull.begin());
-    std::copy(prism.inner.begin(), prism.inner.end(), hull.begin() + 3);
+    const std::array<Vec3d, 6> hull = prism.corners();
+    if (question == Question::crossings && grows_where_it_vanishes(hull, directions)) return true;
     ++counts_.bounds;
-    const HullBound bound =
-        part_->hull_bound(hull, std::span(fans_[piece.triangle].directions).first(3));
-    if (bound.slope > 0 || keeps_sign(hull, bound)) return true;
-    Piece whole = piece;
-    whole.outer = whole.inner = false;
-    std::vector<Piece> parts;
-    cut(whole, prism, parts);
-    return std::all_of(parts.begin(), parts.end(),
-                       [&](const Piece& part) { return rises_in(part, tries); });
+    const HullBound bound = part_->hull_bound(hull, directions);
+    if (bound.slope > 0) return true;
+    if (question == Question::crossings && keeps_sign(hull, bound)) return true;
+    if (!std::isfinite(bound.bend)) return false;
+    const std::vector<Piece> parts = parts_of(piece, prism);
+    return std::all_of(parts.begin(), parts.end(), [&](const Piece& part) {
+      return grows_in(part, directions, question, tries);
+    });
+  }
+
+  bool grows_where_it_vanishes(const std::array<Vec3d, 6>& hull,
+                               std::span<const Vec3d> directions) const {
+    Aabb box;
+    for (const Vec3d& p : hull) box.include(p);
+    return std::all_of(directions.begin(), directions.end(),
+                       [&](const Vec3d& d) { return part_->least_slope(box, d) > 0; });
   }
 
   bool keeps_sign(const std::array<Vec3d, 6>& hull, const HullBound& bound) {
@@ -271,124 +298,35 @@ class Prover {
     return high + 0.5 * bound.bend * squared * (1 + 1e-12) < 0;
   }
 
-  Finding& too_far(std::size_t triangle) {
-    findings_[triangle].doubt = Doubt::distance;
-    return findings_[triangle];
-  }
-
-  std::vector<Piece> parts_of(const std::vector<Piece>& pieces) {
-    std::vector<std::size_t> count(triangles_.size(), 0);
-    for (const Piece& piece : pieces) count[piece.triangle] += piece.open() ? 1 : 0;
-    std::vector<Piece> parts, hopeless;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const Piece& piece = pieces[i];
-      if (!piece.open() || findings_[piece.triangle].doubt == Doubt::distance) continue;
-      if (count[piece.triangle] > kMostPieces) {
-        hopeless.push_back(piece);
-      } else {
-        cut(piece, prisms_[i], parts);
-      }
+  /// Halves of what is thicker than wide, else quarters.
+  static std::vector<Piece> parts_of(const Piece& piece, const Prism& prism) {
+    std::vector<Piece> parts;
+    if (prism.thick()) {
+      parts.assign(2, piece);
+      parts[0].high = parts[1].low = 0.5 * (piece.low + piece.high);
+    } else {
+      for (std::size_t k = 0; k < 4; ++k) parts.push_back(quarter(piece, k));
     }
-    give_up_on(hopeless);
     return parts;
-  }
-
-  /// Signs are a matter of the layers; slopes of the prism, which may be thicker than wide.
-  static void cut(const Piece& piece, const Prism& prism, std::vector<Piece>& parts) {
-    Piece signs = piece, slope = piece;
-    signs.slope = slope.outer = slope.inner = false;
-    const bool in_halves = piece.slope && prism.thick();
-    if (in_halves) {
-      const double middle = 0.5 * (piece.low + piece.high);
-      slope.high = middle;
-      parts.push_back(slope);
-      slope.low = middle, slope.high = piece.high;
-      parts.push_back(slope);
-    }
-    const Piece& rest = in_halves ? signs : piece;
-    for (std::size_t k = 0; k < 4 && rest.open(); ++k) parts.push_back(quarter(rest, k));
-  }
-
-  std::vector<Piece> give_up_on(const std::vector<Piece>& pieces) {
-    for (const Piece& piece : pieces) {
-      Finding& finding = findings_[piece.triangle];
-      if (!piece.open() || finding.doubt == Doubt::distance) continue;
-      if (!std::isfinite(bound_of(piece, prism_of(piece)).bend)) {
-        finding.doubt = Doubt::crease;
-      } else if (piece.inner || piece.outer) {
-        finding = {Doubt::distance, piece.outer, piece.inner};
-      } else if (finding.doubt == Doubt::none) {
-        finding.doubt = Doubt::fold;
-      }
-    }
-    return {};
   }
 
   const TriangleMesh& mesh_;
   const OffsetShell& shell_;
   std::span<const std::uint32_t> triangles_;
-  bool slopes_ = false;
   ProverCounts& counts_;
   std::unique_ptr<ImplicitSurface> part_;
   std::vector<Whole> wholes_;
-  std::vector<Fan> fans_;
   std::vector<Finding> findings_;
   std::vector<Prism> prisms_;  ///< of the pieces of a round
 };
 
 }  // namespace
 
-std::array<Vec3d, 6> prism_corners(const TriangleMesh& mesh, const OffsetShell& shell,
-                                   std::size_t triangle) {
-  std::array<Vec3d, 6> corners;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const TriangleMesh::Index v = mesh.triangles[triangle][k];
-    corners[k] = mesh.positions[v] + shell.outer[v] * shell.direction[v];
-    corners[k + 3] = mesh.positions[v] - shell.inner[v] * shell.direction[v];
-  }
-  return corners;
-}
-
-bool are_apart(const std::array<Vec3d, 6>& a, const std::array<Vec3d, 6>& b) {
-  const auto apart_along = [&](const Vec3d& axis) {
-    double low[2], high[2];
-    for (std::size_t s = 0; s < 2; ++s) {
-      const auto& corners = s == 0 ? a : b;
-      low[s] = high[s] = dot(corners[0], axis);
-      for (const Vec3d& p : corners) {
-        low[s] = std::min(low[s], dot(p, axis));
-        high[s] = std::max(high[s], dot(p, axis));
-      }
-    }
-    const double size = std::abs(low[0]) + std::abs(high[0]) + std::abs(low[1]) + std::abs(high[1]);
-    return low[1] - high[0] > 1e-14 * size || low[0] - high[1] > 1e-14 * size;
-  };
-  const auto separated_by_faces_of = [&](const std::array<Vec3d, 6>& p) {
-    for (const std::size_t k : {0U, 3U}) {
-      if (apart_along(cross(p[k + 1] - p[k], p[k + 2] - p[k]))) return true;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t next = (k + 1) % 3;
-      if (apart_along(cross(p[next] - p[k], p[k + 3] - p[k])) ||
-          apart_along(cross(p[next + 3] - p[k + 3], p[next + 3] - p[next]))) {
-        return true;
-      }
-    }
-    return false;
-  };
-  if (separated_by_faces_of(a) || separated_by_faces_of(b)) return true;
-  for (std::size_t i = 0; i < 3; ++i) {
-    for (std::size_t j = 0; j < 3; ++j) {
-      if (apart_along(cross(a[(i + 1) % 3] - a[i], b[(j + 1) % 3] - b[j]))) return true;
-    }
-  }
-  return false;
-}
-
 std::vector<Finding> look_into(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                const OffsetShell& shell, std::span<const std::uint32_t> triangles,
                                Question question, ProverCounts& counts) {
-  return Prover(surface, mesh, shell, triangles, question, counts).run();
+  Prover prover(surface, mesh, shell, triangles, counts);
+  return question == Question::signs ? prover.signs() : prover.growth(question);
 }
 
 }  // namespace cs2mesh

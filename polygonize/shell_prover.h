@@ -9,16 +9,10 @@
 
 #include "libfield/field/implicit_surface.h"
 #include "polygonize/certificate.h"
+#include "polygonize/offset_shell.h"
 #include "polygonize/triangle_mesh.h"
 
 namespace cs2mesh {
-
-/// The shell of a mesh: at each vertex it reaches `outer` along the direction and `inner` against
-/// it.
-struct OffsetShell {
-  std::vector<Vec3d> direction;  ///< unit, outwards
-  std::vector<double> outer, inner;
-};
 
 /// Evaluations.
 struct ProverCounts {
@@ -33,24 +27,18 @@ struct ProverCounts {
 };
 
 struct Finding {
-  Doubt doubt = Doubt::none;  ///< `distance`, `fold` or `crease`, in that order of precedence
-  /// Where the distance is in doubt: the layers whose sign is, as far as was looked.
+  Doubt doubt = Doubt::none;  ///< `distance`, `fold`, `crease` or `profile`
+  /// Where the distance is in doubt: the layers whose sign is, as far as was looked, and at which
+  /// corners of the triangle it is wrong.
   bool outer = false, inner = false;
-  /// Where a fold is in doubt: the surface crosses each segment once for all that, and no layer is
-  /// turned inside out, so that the prism meets none of a neighbour's but at their border. What is
-  /// left is that it might meet others.
-  bool rises = false;
+  std::array<bool, 3> wrong_outer{}, wrong_inner{};
 };
 
-/// The corners of a triangle's prism, first the outer ones.
-std::array<Vec3d, 6> prism_corners(const TriangleMesh& mesh, const OffsetShell& shell,
-                                   std::size_t triangle);
-/// Whether the hulls of the corners of two prisms are shown to have no point in common. False where
-/// it could not be decided.
-bool are_apart(const std::array<Vec3d, 6>& a, const std::array<Vec3d, 6>& b);
-
-/// What to look for: where the surface is, first; that done, how it runs in there.
-enum class Question : std::uint8_t { signs, slopes };
+enum class Question : std::uint8_t {
+  signs,      ///< F < 0 on the outer triangle and F > 0 on the inner one
+  crossings,  ///< F grows inwards along the segments of the prism wherever it vanishes
+  layers,     ///< F grows all over the prism along its segments and the normals of its layers
+};
 
 /// What is not proven of each of some triangles, which should be near each other. See certificate.h
 /// for what is proven.

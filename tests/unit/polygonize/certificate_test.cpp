@@ -10,6 +10,8 @@
 #include "libfield/base/random.h"
 #include "libfield/field/field.h"
 #include "polygonize/adaptive_mesher.h"
+#include "polygonize/check.h"
+#include "polygonize/lattice_mesher.h"
 #include "polygonize/metrology.h"
 #include "tests/unit/polygonize/mesh_test_tools.h"
 #include "tests/unit/polygonize/proof_of.h"
@@ -99,6 +101,23 @@ TEST(Certificate, DoubtsWhatIsTooFar) {
   }
 }
 
+/// A strength that drops to a half in the middle of a bone.
+TEST(Certificate, NamesJumpsOfProfiles) {
+  Term bone = term_over(Gaussian{4.0, 3.0}, Segment{{-1, 0, 0}, {1, 0, 0}});
+  StrengthProfile half;
+  half.along_u = ProfileFunction::step;
+  half.lower = 0.5;
+  bone.profiles = {half};
+  const Field surface({bone}, 1e-9);
+  LatticeOptions lattice;
+  lattice.cell = 0.05;
+  const Result<TriangleMesh> mesh = mesh_lattice(surface, lattice);
+  ASSERT_TRUE(mesh);
+  const Certificate certificate = certified(surface, *mesh, 0.3, 0.05);
+  EXPECT_GT(count(certificate, Doubt::profile), 0U);
+  EXPECT_EQ(count(certificate, Doubt::crease), 0U);
+}
+
 TEST(Certificate, DoubtsASmallerTolerance) {
   const Field surface = sphere();
   const TriangleMesh mesh = test::sphere_mesh(3);
@@ -155,7 +174,7 @@ TEST(Certificate, WhatIsCertifiedIsNear) {
     const Field surface(std::move(terms), 1e-9);
     const TriangleMesh mesh = meshed(surface, 0.2, 0.02);
     const Certificate certificate = certified(surface, mesh, 0.2, 0.022);
-    EXPECT_GT(certificate.share(), 0.97);
+    EXPECT_GT(certificate.share(), 0.99);
     if (certificate.share() < 1) continue;
     ++whole;
     MeasureOptions options;
@@ -163,6 +182,65 @@ TEST(Certificate, WhatIsCertifiedIsNear) {
     EXPECT_LE(measure(surface, mesh, options).max(), 0.022);
   }
   EXPECT_GT(whole, 0U);
+}
+
+Certificate refined(const ImplicitSurface& surface, TriangleMesh& mesh, double radius,
+                    double tolerance) {
+  CertifyOptions options;
+  options.tolerance = tolerance;
+  Result<Certificate> result =
+      certify_refined(surface, mesh, proof_of(surface, radius / 64), options);
+  EXPECT_TRUE(result);
+  return std::move(*result);
+}
+
+/// Meshes that use all of their tolerance leave no room for proofs until they are cut.
+TEST(Certificate, CutsWhatItCannotProve) {
+  const Field torus({term_over(Cauchy{6.0, 20.0}, make_arc({}, 1.0, {0, 0, 1}, 0, 360))}, 1e-9);
+  const TriangleMesh mesh = meshed(torus, 0.3, 0.03);
+  const double tolerance = 0.03;
+  ASSERT_LT(certified(torus, mesh, 0.3, tolerance).share(), 1.0);
+  TriangleMesh finer = mesh;
+  const Certificate certificate = refined(torus, finer, 0.3, tolerance);
+  EXPECT_EQ(certificate.share(), 1.0);
+  EXPECT_EQ(certificate.doubts.size(), finer.triangles.size());
+  EXPECT_LE(finer.triangles.size(), 4 * mesh.triangles.size());
+  EXPECT_TRUE(check(finer).ok());
+  ASSERT_GE(finer.positions.size(), mesh.positions.size());
+  EXPECT_TRUE(std::equal(mesh.positions.begin(), mesh.positions.end(), finer.positions.begin()));
+  EXPECT_LE(measure(torus, finer, {}).max(), tolerance);
+}
+
+TEST(Certificate, CutsNothingWhereAllIsProven) {
+  const Field surface = sphere();
+  const TriangleMesh mesh = meshed(surface, 1.0, 0.03);
+  TriangleMesh finer = mesh;
+  EXPECT_EQ(refined(surface, finer, 1.0, 0.03).share(), 1.0);
+  EXPECT_EQ(finer.triangles, mesh.triangles);
+}
+
+/// A sheet that is not there is missed however often the other one is cut.
+TEST(Certificate, CuttingDoesNotMakeUpForAMissingComponent) {
+  const Field both({ball({-1.05, 0, 0}, 1.0, 20), ball({1.05, 0, 0}, 1.0, 20)}, 1e-9);
+  TriangleMesh half = meshed(both, 1.0, 0.03);
+  std::erase_if(half.triangles, [&](const auto& t) { return half.positions[t[0]].x > 0; });
+  const Certificate certificate = refined(both, half, 1.0, 0.03);
+  ASSERT_FALSE(certificate.places.empty());
+  EXPECT_EQ(certificate.places.back().doubt, Doubt::topology);
+}
+
+/// Near the place where two balls touch nothing can be proven, but ever less is left.
+TEST(Certificate, CutsTowardsASingularPlace) {
+  // F = 1 where they touch: 2 exp(4 - 4 d^2) = 1.
+  const double d = std::sqrt(1 + 0.25 * std::log(2.0));
+  const Field touching({ball({-d, 0, 0}, 1.0, 4), ball({d, 0, 0}, 1.0, 4)}, 1e-9);
+  TriangleMesh mesh = meshed(touching, 1.0, 0.05);
+  const double before = certified(touching, mesh, 1.0, 0.05).share();
+  const Certificate certificate = refined(touching, mesh, 1.0, 0.05);
+  EXPECT_LT(before, 0.99);
+  EXPECT_GT(certificate.share(), 0.999);
+  EXPECT_LT(certificate.share(), 1.0);
+  EXPECT_TRUE(check(mesh).ok());
 }
 
 TEST(Certificate, IsTheSameForAnyNumberOfThreads) {
