@@ -1,7 +1,5 @@
 #include "polygonize/adaptive_mesher.h"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -10,32 +8,26 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/both_ways.h"
+#include "polygonize/bring_near.h"
 #include "polygonize/check.h"
-#include "polygonize/closest_point.h"
-#include "polygonize/improve.h"
-#include "polygonize/insert_points.h"
 #include "polygonize/mend_crossings.h"
 #include "polygonize/near_intersections.h"
 #include "polygonize/octree_mesh.h"
-#include "polygonize/refine.h"
 #include "polygonize/remesh.h"
 #include "polygonize/tolerance.h"
-#include "polygonize/vertex_ring.h"
 
 namespace cs2mesh {
 namespace {
 
 /// Triangles smaller than so many tolerances are looked at closely.
 constexpr double kSmall = 8.0;
-/// Parts of the tolerance: what remeshing aims at, in one attempt after the other; what triangles
-/// are refined to; what is accepted, as the distance is measured at points.
+/// Parts of the tolerance that remeshing aims at, in one attempt after the other.
 constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
 constexpr std::size_t kMostPairs = 10'000;  ///< of triangles that cross
-constexpr double kRefinedBlindly = 0.88;    // where what the mesh misses is found by chance
-constexpr double kRefined = 0.93, kLost = 0.93, kAccept = 0.97;
-/// What triangles are refined to where others were in their way.
-constexpr double kCloser = 0.3;
+/// The part of the tolerance that triangles are refined to where what the mesh misses is found by
+/// chance.
+constexpr double kRefinedBlindly = 0.88;
 
 /// Where the octree proves little, the first mesh tells what there is, and has to be finer.
 constexpr double kCloseLook = 2.5;
@@ -102,7 +94,7 @@ class Adaptive {
       MesherResult result = fit(*tree, first, kAims[aim], untangle);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       if (result.error < best.error) best = std::move(result);
-      if (best.error <= kAccept * request_.tolerance) break;
+      if (best.error <= kAcceptedPart * request_.tolerance) break;
       if (!provable_ && (untangle || best.error < HUGE_VAL)) break;
       // Smaller cells where it went wrong; if there are none, smaller triangles everywhere.
       const Result<std::size_t> cut = tree->cut_near(trouble_);
@@ -113,7 +105,7 @@ class Adaptive {
       }
       look_at(*tree);
     }
-    const double enough = (provable_ ? 1.0 : kAccept) * request_.tolerance;
+    const double enough = (provable_ ? 1.0 : kAcceptedPart) * request_.tolerance;
     if (best.error > enough) {
       Result<MesherResult> other = by_lattice();
       if (!other && !(best.error < HUGE_VAL)) return other;
@@ -175,8 +167,15 @@ class Adaptive {
     if (result.mesh.empty()) return result;
     std::vector<Vec3d>& on_surface = remeshed.on_surface;
     on_surface.insert(on_surface.end(), first.bulges.begin(), first.bulges.end());
-    result.error =
-        proven_ ? bring_near(result.mesh, on_surface) : bring_near_both_ways(result.mesh);
+    if (proven_) {
+      BroughtNear brought = bring_near(surface_, result.mesh, on_surface, bring_near_options());
+      result.error = brought.error;
+      trouble_ = std::move(brought.trouble);
+      log_.jets += brought.jets;
+    } else {
+      trouble_.clear();
+      result.error = bring_near_both_ways(result.mesh);
+    }
     if (!proven_ && result.error < HUGE_VAL) {
       begin("measure");
       const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
@@ -199,172 +198,25 @@ class Adaptive {
     }
     if (most > kSmallMove * request_.tolerance) return false;
     const std::vector<Vec3d> places =
-        places_of(find_new_intersections(rounded, 0, kMostPairs), rounded);
-    put_down({}, places);
+        places_of(find_new_intersections(rounded, {}, kMostPairs), rounded);
+    trouble_.insert(trouble_.end(), places.begin(), places.end());
     return !places.empty();
   }
 
-  /// Refines the mesh where it is too far from the surface, and joins those of some points of the
-  /// surface that are too far from it. Returns how far apart they are then, at most, as far as that
-  /// was looked at; infinite if triangles cross. Where it is hard is put down in trouble_.
-  double bring_near(TriangleMesh& mesh, std::span<const Vec3d> on_surface) {
-    constexpr int kMostPasses = 16, kMostMends = 4;
-    RefineOptions refinement = refine_options();
-    bool whole = true;  // whether the pass looks at all triangles, not just at those that changed
-    trouble_.clear();
-    std::vector<Vec3d> close;  // where sheets come close, so that triangles have to be smaller
-    std::vector<bool> close_vertices;
-    int mends = 0;
-    std::size_t crossing_before = std::numeric_limits<std::size_t>::max();
-    TriangleMesh::Index unchecked = 0;  // triangles without a vertex from there on do not cross
-    std::vector<LostPoint> missed;      // of the points of the surface
-    bool looked = false;                // at all of them
-    const auto look_at_all = [&](bool all) {
-      whole = all;
-      refinement.first_new = all ? 0 : vertex_count(mesh);
-    };
-    for (int pass = 0; pass < kMostPasses; ++pass) {
-      if (!close.empty()) {
-        close_vertices = vertices_near(mesh, close);
-        refinement.close = &close_vertices;
-        refinement.closer = kCloser * request_.tolerance;
-      }
-      RefineStatistics refined;
-      mesh = refine(surface_, std::move(mesh), refinement, &refined);
-      log_.jets += mesh.triangles.size();
-      std::vector<LostPoint> lost = std::move(refined.far);
-      if (pass == 0) {
-        mesh = improve(surface_, std::move(mesh), improve_options());
-        find_again(lost, mesh);
-      }
-      begin("mend");
-      SelfIntersections found = find_new_intersections(mesh, unchecked, kMostPairs);
-      const std::vector<Vec3d> crossing = places_of(found, mesh);
-      put_down(lost, crossing);
-      if (!crossing.empty()) {
-        close.insert(close.end(), crossing.begin(), crossing.end());
-        // Smaller triangles first: those that are mended may be farther from the surface.
-        const bool fewer = crossing.size() < std::exchange(crossing_before, crossing.size());
-        if (!fewer) {
-          if (++mends > kMostMends || mend_crossings(surface_, mesh, request_.thinnest_radius,
-                                                     std::move(found)) == Crossings::left) {
-            return HUGE_VAL;
-          }
-          unchecked = vertex_count(mesh);
-        }
-        look_at_all(false);
-        continue;
-      }
-      unchecked = vertex_count(mesh);
-      begin("look back");
-      // Not every pass asks about all points of the surface, but the first and the last one do.
-      if (whole || !looked) {
-        missed = lost_points(mesh, on_surface);
-        looked = true;
-      } else if (!missed.empty()) {
-        std::vector<Vec3d> again;
-        again.reserve(missed.size());
-        for (const LostPoint& point : missed) again.push_back(point.on_surface);
-        missed = lost_points(mesh, again);
-      }
-      lost.insert(lost.end(), missed.begin(), missed.end());
-      put_down(missed, {});
-      const bool near_enough = largest_distance(lost) <= kAccept * request_.tolerance;
-      if (whole && near_enough && (lost.empty() || pass > 0)) {
-        return std::max(largest_distance(lost), kRefined * request_.tolerance);
-      }
-      const bool was_whole = whole;
-      look_at_all(false);
-      if (!lost.empty() && !insert_points(mesh, lost).empty()) continue;
-      if (was_whole) return largest_distance(lost);
-      look_at_all(true);
-    }
-    return HUGE_VAL;
+  BringNearOptions bring_near_options() const {
+    BringNearOptions options;
+    options.tolerance = request_.tolerance;
+    options.reach = request_.thinnest_radius;
+    // All are looked at closely where vertices are off the surface, as little can be told from a
+    // few points then.
+    options.small = request_.balance ? HUGE_VAL : kSmall * request_.tolerance;
+    options.max_triangles = request_.max_triangles;
+    options.progress = request_.progress;
+    return options;
   }
 
-  /// Gives points the triangles of another mesh that are nearest to them.
-  static void find_again(std::span<LostPoint> points, const TriangleMesh& mesh) {
-    if (points.empty()) return;
-    const ClosestPoint tree(mesh);
-    for (LostPoint& point : points) {
-      const ClosestPoint::Hit hit = tree.nearest(point.on_surface);
-      point.on_mesh = hit.point;
-      point.triangle = hit.triangle;
-    }
-  }
-
-  /// The corners of the triangles nearest to these points, and of those around.
-  static std::vector<bool> vertices_near(const TriangleMesh& mesh, std::span<const Vec3d> points) {
-    constexpr int kRings = 2;
-    std::vector<bool> near(mesh.positions.size(), false);
-    ClosestPoint(mesh).nearest_each(points, [&](std::size_t, const ClosestPoint::Hit& hit) {
-      for (const TriangleMesh::Index v : mesh.triangles[hit.triangle]) near[v] = true;
-    });
-    for (int ring = 0; ring < kRings; ++ring) near = widened_by_ring(mesh, near);
-    return near;
-  }
-
-  static TriangleMesh::Index vertex_count(const TriangleMesh& mesh) {
-    return static_cast<TriangleMesh::Index>(mesh.positions.size());
-  }
-
-  static double largest_distance(std::span<const LostPoint> lost) {
-    double largest = 0.0;
-    for (const LostPoint& point : lost) largest = std::max(largest, point.distance);
-    return largest;
-  }
-
-  RefineOptions refine_options() const {
-    RefineOptions refinement;
-    refinement.tolerance = kRefined * request_.tolerance;
-    refinement.small = closely();
-    refinement.max_triangles = request_.max_triangles;
-    refinement.progress = request_.progress;
-    return refinement;
-  }
-
-  /// The side of triangles that are looked at closely: all where vertices are off the surface, as
-  /// little can be told from a few points then.
-  double closely() const { return request_.balance ? HUGE_VAL : kSmall * request_.tolerance; }
-
-  ImproveOptions improve_options() const {
-    ImproveOptions improvement;
-    improvement.tolerance = kRefined * request_.tolerance;
-    improvement.small = closely();
-    improvement.progress = request_.progress;
-    return improvement;
-  }
-
-  void put_down(std::span<const LostPoint> lost, std::span<const Vec3d> crossing) {
-    for (const LostPoint& point : lost) trouble_.push_back(point.on_surface);
-    trouble_.insert(trouble_.end(), crossing.begin(), crossing.end());
-  }
-
-  /// The points that are too far from the mesh, the farthest first.
-  std::vector<LostPoint> lost_points(const TriangleMesh& mesh,
-                                     std::span<const Vec3d> on_surface) const {
-    constexpr std::size_t kChunk = 1024;
-    const ClosestPoint tree(mesh);
-    std::vector<std::vector<LostPoint>> chunks((on_surface.size() + kChunk - 1) / kChunk);
-    tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
-      const auto points =
-          on_surface.subspan(kChunk * i, std::min(kChunk, on_surface.size() - kChunk * i));
-      tree.nearest_each(points, [&](std::size_t k, const ClosestPoint::Hit& hit) {
-        if (hit.distance > kLost * request_.tolerance) {
-          chunks[i].push_back({points[k], hit.point, hit.distance, hit.triangle});
-        }
-      });
-    });
-    std::vector<LostPoint> lost;
-    for (const auto& chunk : chunks) lost.insert(lost.end(), chunk.begin(), chunk.end());
-    std::stable_sort(lost.begin(), lost.end(), [](const LostPoint& a, const LostPoint& b) {
-      return a.distance > b.distance;
-    });
-    return lost;
-  }
-
-  /// As above, and joins what there is of the surface too far from the mesh: without proof, that is
-  /// looked for.
+  /// Refines the mesh where it is too far from the surface, and joins what there is of the surface
+  /// too far from the mesh: without proof, that is looked for.
   double bring_near_both_ways(TriangleMesh& mesh) {
     const auto cross = [&] {
       return mend_crossings(surface_, mesh, request_.thinnest_radius) == Crossings::left;

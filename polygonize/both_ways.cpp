@@ -13,13 +13,13 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// The corners of triangles that cross others, looked for where there are vertices from
-/// `first_new` on. None in a build that cannot tell.
+/// The corners of triangles that cross others, looked for where there are others than those of
+/// `apart`. None in a build that cannot tell.
 std::vector<TriangleMesh::Index> crossing_vertices(const TriangleMesh& mesh,
-                                                   TriangleMesh::Index first_new) {
+                                                   const TriangleSet& apart) {
   constexpr std::size_t kMostPairs = 10'000;
   std::vector<TriangleMesh::Index> corners;
-  for (const auto& pair : find_new_intersections(mesh, first_new, kMostPairs).pairs) {
+  for (const auto& pair : find_new_intersections(mesh, apart, kMostPairs).pairs) {
     for (const auto t : pair) {
       corners.insert(corners.end(), mesh.triangles[t].begin(), mesh.triangles[t].end());
     }
@@ -44,11 +44,9 @@ BothWays::BothWays(const ImplicitSurface& surface, const BothWaysOptions& option
 double BothWays::run(TriangleMesh& mesh) {
   constexpr int kMostLooks = 8;
   probe_.first_new = 0;
-  const auto lattice_vertices = static_cast<TriangleMesh::Index>(mesh.positions.size());
+  const TriangleSet apart(mesh);
   if (!bring_near(mesh, 0)) return kInfinity;
-  if (!crossing_vertices(mesh, lattice_vertices).empty()) {
-    return kInfinity;
-  }
+  if (!crossing_vertices(mesh, apart).empty()) return kInfinity;
   if (mesh.empty()) return watch_.any() ? kInfinity : 0.0;
   SurfaceWatch::Look back;
   for (int look = 0; look < kMostLooks; ++look) {
@@ -80,7 +78,7 @@ bool BothWays::bring_near(TriangleMesh& mesh, Index first_new) {
     far_ = std::move(refined.far);
     if (far_.empty()) return true;
     first_new = static_cast<TriangleMesh::Index>(mesh.positions.size());
-    if (far_.size() >= left || insert_points(mesh, far_).empty()) return false;
+    if (far_.size() >= left || insert_points(surface_, mesh, far_).empty()) return false;
     left = far_.size();
   }
 }
@@ -92,11 +90,11 @@ bool BothWays::join(TriangleMesh& mesh, std::vector<LostPoint> lost) {
   const auto first = static_cast<TriangleMesh::Index>(mesh.positions.size());
   for (int attempt = 0; attempt < kMostTries; ++attempt) {
     TriangleMesh joined = mesh;
-    const std::vector<std::size_t> points = insert_points(joined, lost);
+    const std::vector<std::size_t> points = insert_points(surface_, joined, lost);
     if (points.empty()) return false;
     std::vector<TriangleMesh::Index> blamed;
     if (bring_near(joined, first)) {
-      blamed = crossing_vertices(joined, first);
+      blamed = crossing_vertices(joined, TriangleSet(mesh));
       if (blamed.empty()) {
         mesh = std::move(joined);
         return true;

@@ -22,8 +22,8 @@ struct FieldCounts {
 };
 
 /// How often F changes its side on the segment from `a` to `b`, where that is proven and less than
-/// twice; else 2, which says nothing. `at_a` is the jet of F at a. By Taylor's formula at some
-/// points of the segment, by enclosures and by least_slope() between them; what was asked of F is
+/// twice; else 2, which says nothing. `at_a` is the jet of F at a. By Taylor's formula at one to
+/// four points of the segment, by enclosures and least_slope() between them; what was asked of F is
 /// added to `counts`.
 int count_crossings(const ImplicitSurface& surface, const Vec3d& a, const Jet& at_a, const Vec3d& b,
                     FieldCounts& counts);

@@ -10,6 +10,7 @@
 #include "polygonize/closest_point.h"
 #include "polygonize/editable_mesh.h"
 #include "polygonize/far_triangles.h"
+#include "polygonize/fold.h"
 #include "polygonize/sagitta.h"
 #include "polygonize/shape_operator.h"
 #include "polygonize/triangle_sample.h"
@@ -237,12 +238,7 @@ class Improver {
   /// Whether a triangle faces the way of the surface at its corners, and could be near it.
   bool follows(const Triangle& t) const {
     const auto [a, b, c] = t;
-    const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
-    const double least = kTurn * norm(area);
-    if (!(dot(area, normals_[a]) > least && dot(area, normals_[b]) > least &&
-          dot(area, normals_[c]) > least)) {
-      return false;
-    }
+    if (!faces_normals(positions_, normals_, t, kTurn)) return false;
     const auto [low, high] = deviation_range(rise(a, b), rise(b, c), rise(c, a));
     return 0.5 * (high - low) <= kHopeless * options_.tolerance;
   }

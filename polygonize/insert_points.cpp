@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polygonize/editable_mesh.h"
+#include "polygonize/fold.h"
 
 namespace cs2mesh {
 namespace {
@@ -19,8 +20,8 @@ constexpr double kLeastWeight = 0.15;
 
 class Inserter {
  public:
-  explicit Inserter(TriangleMesh mesh)
-      : mesh_(std::move(mesh)), changed_(mesh_.mesh().triangles.size(), 0) {}
+  Inserter(const ImplicitSurface& surface, TriangleMesh mesh)
+      : surface_(surface), mesh_(std::move(mesh)), changed_(mesh_.mesh().triangles.size(), 0) {}
 
   bool insert(const LostPoint& lost) {
     if (changed_[lost.triangle] != 0) return false;
@@ -36,7 +37,7 @@ class Inserter {
  private:
   const TriangleMesh& mesh() const { return mesh_.mesh(); }
 
-  std::array<Vec3d, 3> corners(std::size_t t) const {
+  TriangleCorners corners(std::size_t t) const {
     const auto& [a, b, c] = mesh().triangles[t];
     return {mesh().positions[a], mesh().positions[b], mesh().positions[c]};
   }
@@ -53,25 +54,17 @@ class Inserter {
     return w;
   }
 
-  Vec3d normal(const Vec3d& a, const Vec3d& b, const Vec3d& c) const { return cross(b - a, c - a); }
-  Vec3d normal_beyond(HalfEdge h) const {
-    const auto [a, b, c] = corners(triangle_of(mesh_.opposite(h)));
-    return normal(a, b, c);
-  }
-  static bool folded(const Vec3d& a, const Vec3d& b) {
-    return !(dot(a, b) > kSharpest * norm(a) * norm(b));
-  }
-
   /// Whether a tent from `apex` over a ring of half-edges would be folded.
   bool would_fold(std::span<const HalfEdge> ring, const Vec3d& apex) const {
-    std::vector<Vec3d> sides;
+    std::vector<TriangleCorners> sides;
     for (const HalfEdge h : ring) {
       sides.push_back(
-          normal(mesh().positions[start_of(mesh(), h)], mesh().positions[end_of(mesh(), h)], apex));
-      if (folded(sides.back(), normal_beyond(h))) return true;
+          {mesh().positions[start_of(mesh(), h)], mesh().positions[end_of(mesh(), h)], apex});
+      const std::size_t beyond = triangle_of(mesh_.opposite(h));
+      if (folded(surface_, sides.back(), corners(beyond), kSharpest)) return true;
     }
     for (std::size_t i = 0; i < sides.size(); ++i) {
-      if (folded(sides[i], sides[(i + 1) % sides.size()])) return true;
+      if (folded(surface_, sides[i], sides[(i + 1) % sides.size()], kSharpest)) return true;
     }
     return false;
   }
@@ -97,19 +90,21 @@ class Inserter {
     return true;
   }
 
+  const ImplicitSurface& surface_;
   EditableMesh mesh_;
   std::vector<char> changed_;  ///< by original triangle
 };
 
 }  // namespace
 
-std::vector<std::size_t> insert_points(TriangleMesh& mesh, std::span<const LostPoint> points) {
+std::vector<std::size_t> insert_points(const ImplicitSurface& surface, TriangleMesh& mesh,
+                                       std::span<const LostPoint> points) {
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
     return points[a].distance > points[b].distance;
   });
-  Inserter inserter(std::move(mesh));
+  Inserter inserter(surface, std::move(mesh));
   std::vector<std::size_t> joined;
   for (const std::size_t i : order) {
     if (inserter.insert(points[i])) joined.push_back(i);

@@ -1,5 +1,7 @@
 #include "polygonize/make_manifold.h"
 
+#include <tbb/parallel_sort.h>
+
 #include <algorithm>
 #include <limits>
 #include <span>
@@ -35,7 +37,7 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
     const bool y_up = start_of(mesh, y.half_edge) < end_of(mesh, y.half_edge);
     return x_up != y_up ? x_up : x.half_edge < y.half_edge;
   };
-  std::sort(keyed.begin(), keyed.end(), order);
+  tbb::parallel_sort(keyed.begin(), keyed.end(), order);
   std::vector<HalfEdge> sorted;
   sorted.reserve(keyed.size());
   for (const Keyed& k : keyed) sorted.push_back(k.half_edge);

@@ -1,6 +1,5 @@
 #include "polygonize/near_intersections.h"
 
-#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -28,18 +27,13 @@ SelfIntersections find_intersections_near(const TriangleMesh& mesh, std::vector<
   return found;
 }
 
-SelfIntersections find_new_intersections(const TriangleMesh& mesh, TriangleMesh::Index first_new,
+SelfIntersections find_new_intersections(const TriangleMesh& mesh, const TriangleSet& apart,
                                          std::size_t most_pairs) {
-  if (first_new == 0) {
+  if (apart.empty()) {
     return find_self_intersections(mesh, most_pairs).value_or(SelfIntersections{});
   }
   std::vector<Aabb> boxes;
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const auto& corners = mesh.triangles[t];
-    if (*std::max_element(corners.begin(), corners.end()) >= first_new) {
-      boxes.push_back(bounds(mesh, t));
-    }
-  }
+  for (const std::uint32_t t : apart.others(mesh)) boxes.push_back(bounds(mesh, t));
   return find_intersections_near(mesh, std::move(boxes), most_pairs);
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "polygonize/self_intersection.h"
+#include "polygonize/triangle_set.h"
 
 namespace cs2mesh {
 
@@ -14,8 +15,9 @@ namespace cs2mesh {
 SelfIntersections find_intersections_near(const TriangleMesh& mesh, std::vector<Aabb> boxes,
                                           std::size_t most_pairs);
 
-/// The pairs of which one triangle at least has a vertex from `first_new` on.
-SelfIntersections find_new_intersections(const TriangleMesh& mesh, TriangleMesh::Index first_new,
+/// The pairs of which one triangle at least is not of `apart`, a set of triangles of which no two
+/// cross.
+SelfIntersections find_new_intersections(const TriangleMesh& mesh, const TriangleSet& apart,
                                          std::size_t most_pairs);
 
 /// A corner of each triangle of the pairs.

@@ -1,15 +1,17 @@
 #include "polygonize/octree.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
-#include <cmath>
 #include <span>
+#include <utility>
 
 #include "libfield/base/check.h"
 
 namespace cs2mesh {
 
-double Octree::side(int level) const {
-  return std::ldexp(side_, -level);
+Octree::Octree(const Vec3d& origin, double side) : origin_(origin), cells_(1) {
+  for (double& s : sides_) s = std::exchange(side, 0.5 * side);
 }
 
 Vec3d Octree::point(const Int3& at) const {
@@ -87,9 +89,11 @@ class DualWalk {
   void inside(Index cell) {
     if (octree_.is_leaf(cell) || skip_(std::span(&cell, 1))) return;
     DualCell children;
-    for (int i = 0; i < 8; ++i) {
-      children[static_cast<std::size_t>(i)] = octree_.child(cell, i);
-      inside(octree_.child(cell, i));
+    for (int i = 0; i < 8; ++i) children[static_cast<std::size_t>(i)] = octree_.child(cell, i);
+    if (octree_[cell].level < kParallelLevels) {
+      each_aside(children);
+    } else {
+      for (const Index child : children) inside(child);
     }
     for (unsigned axis = 0; axis < 3; ++axis) {
       const Axes a(axis);
@@ -106,6 +110,21 @@ class DualWalk {
 
  private:
   using Four = std::array<Index, 4>;
+  static constexpr int kParallelLevels = 3;
+
+  /// Walks through these cells side by side, and takes over what was found in their order.
+  void each_aside(const DualCell& cells) {
+    std::array<DualGrid, 8> parts;
+    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
+      DualWalk walk(octree_, skip_);
+      walk.inside(cells[i]);
+      parts[i] = std::move(walk.found);
+    });
+    for (const DualGrid& part : parts) {
+      found.cells.insert(found.cells.end(), part.cells.begin(), part.cells.end());
+      found.edges.insert(found.edges.end(), part.edges.begin(), part.edges.end());
+    }
+  }
 
   /// An axis and the two after it.
   struct Axes {
@@ -185,20 +204,33 @@ DualGrid walk(const Octree& octree, const Skip& skip) {
 
 }  // namespace
 
+namespace {
+
+bool on_one_side(const Octree& octree, std::span<const Octree::Index> cells) {
+  const bool side = octree[cells[0]].inside;
+  return std::all_of(cells.begin(), cells.end(), [&](Octree::Index c) {
+    return octree[c].uniform && octree[c].inside == side;
+  });
+}
+
+bool none_marked(const std::vector<bool>& marked, std::span<const Octree::Index> cells) {
+  return std::none_of(cells.begin(), cells.end(), [&](Octree::Index c) { return marked[c]; });
+}
+
+}  // namespace
+
 std::vector<DualCell> mixed_dual_cells(const Octree& octree) {
-  const auto settled = [&](std::span<const Octree::Index> cells) {
-    const bool side = octree[cells[0]].inside;
-    return std::all_of(cells.begin(), cells.end(), [&](Octree::Index c) {
-      return octree[c].uniform && octree[c].inside == side;
-    });
-  };
-  return walk(octree, settled).cells;
+  return walk(octree, [&](auto cells) { return on_one_side(octree, cells); }).cells;
+}
+
+std::vector<DualCell> mixed_dual_cells(const Octree& octree, const std::vector<bool>& marked) {
+  return walk(octree,
+              [&](auto cells) { return none_marked(marked, cells) || on_one_side(octree, cells); })
+      .cells;
 }
 
 DualGrid dual_grid_around(const Octree& octree, const std::vector<bool>& marked) {
-  return walk(octree, [&](std::span<const Octree::Index> cells) {
-    return std::none_of(cells.begin(), cells.end(), [&](Octree::Index c) { return marked[c]; });
-  });
+  return walk(octree, [&](auto cells) { return none_marked(marked, cells); });
 }
 
 }  // namespace cs2mesh

@@ -28,7 +28,7 @@ class Octree {
     bool uniform = true;  ///< every leaf below is on the side of `inside`; see settle_sides()
   };
 
-  Octree(const Vec3d& origin, double side) : origin_(origin), side_(side), cells_(1) {}
+  Octree(const Vec3d& origin, double side);
 
   std::size_t size() const { return cells_.size(); }
   const Cell& operator[](Index cell) const { return cells_[cell]; }
@@ -38,7 +38,7 @@ class Octree {
     const Index first = cells_[cell].children;
     return first == 0 ? cell : first + static_cast<Index>(corner);
   }
-  double side(int level) const;
+  double side(int level) const { return sides_[static_cast<std::size_t>(level)]; }
   /// A corner or other point in the smallest units; rounded to nearest, hence monotone.
   Vec3d point(const Int3& at) const;
   Aabb box(Index cell) const;
@@ -52,7 +52,7 @@ class Octree {
 
  private:
   Vec3d origin_;
-  double side_;
+  std::array<double, kMostLevels + 1> sides_;  ///< by level
   std::vector<Cell> cells_;
 };
 
@@ -71,6 +71,8 @@ Int3 meeting_point(const Octree& octree, const DualCell& cell);
 /// face of a dual cell is a face of its neighbour (Schaefer and Warren, "Dual marching cubes:
 /// primal contouring of dual grids", 2004).
 std::vector<DualCell> mixed_dual_cells(const Octree& octree);
+/// Those around which one of the marked cells lies, as dual_grid_around() has it.
+std::vector<DualCell> mixed_dual_cells(const Octree& octree, const std::vector<bool>& marked);
 
 /// Two leaves that share a part of a face: the ends of an edge of the dual grid.
 using DualEdge = std::array<Octree::Index, 2>;

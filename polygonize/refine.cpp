@@ -8,6 +8,7 @@
 
 #include "libfield/base/check.h"
 #include "polygonize/far_triangles.h"
+#include "polygonize/fold.h"
 #include "polygonize/half_edges.h"
 #include "polygonize/near_root.h"
 #include "polygonize/triangle_sample.h"
@@ -251,8 +252,7 @@ class Refiner {
           std::none_of(other.begin(), other.end(), is_new)) {
         continue;
       }
-      const Vec3d a = normal(one), b = normal(other);
-      if (dot(a, b) > kSharpest * norm(a) * norm(b)) continue;
+      if (!folded(surface_, corners(one), corners(other), kSharpest)) continue;
       for (const auto* triangle : {&one, &other}) {
         for (const Index v : *triangle) {
           if (is_new(v)) blamed[v - first_new_] = 1;
@@ -285,6 +285,9 @@ class Refiner {
     return piece;
   }
 
+  TriangleCorners corners(const std::array<Index, 3>& t) const {
+    return {mesh_.positions[t[0]], mesh_.positions[t[1]], mesh_.positions[t[2]]};
+  }
   Vec3d normal(const std::array<Index, 3>& t) const {
     return cross(mesh_.positions[t[1]] - mesh_.positions[t[0]],
                  mesh_.positions[t[2]] - mesh_.positions[t[0]]);

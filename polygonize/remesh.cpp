@@ -1,6 +1,9 @@
 #include "polygonize/remesh.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -10,8 +13,11 @@
 #include "polygonize/balanced_heights.h"
 #include "polygonize/collapse_crossings.h"
 #include "polygonize/editable_mesh.h"
+#include "polygonize/fold.h"
 #include "polygonize/leaf_jets.h"
 #include "polygonize/measured_triangle.h"
+#include "polygonize/mend_folds.h"
+#include "polygonize/mesh_blocks.h"
 #include "polygonize/points_half_way.h"
 #include "polygonize/sagitta.h"
 #include "polygonize/shape_operator.h"
@@ -43,7 +49,7 @@ class Remesher {
   TriangleMesh run() {
     project(2);
     remember_surface();
-    unfold();
+    mend_folds();
     untangle();
     for (int round = 0; round < options_.rounds && !cancelled(options_.progress); ++round) {
       if (options_.progress != nullptr) {
@@ -80,7 +86,7 @@ class Remesher {
     constexpr int kMostSteps = 12;
     find_used();
     project(kMostSteps);
-    unfold();
+    mend_folds();
     if (options_.balance) balance();
   }
 
@@ -91,6 +97,12 @@ class Remesher {
     for (Index v = 0; v < normals_.size(); ++v) {
       if (used_[v]) mesh_.move_vertex(v, position(v) + heights[v] * normals_[v]);
     }
+  }
+
+  void mend_folds() {
+    const FoldsMended mended = cs2mesh::mend_folds(mesh_, normals_, kTurn);
+    statistics.collapses += mended.collapses;
+    statistics.flips += mended.flips;
   }
 
   void untangle() {
@@ -130,7 +142,6 @@ class Remesher {
   const Vec3d& position(Index v) const { return mesh_.mesh().positions[v]; }
   Index start(HalfEdge h) const { return start_of(mesh_.mesh(), h); }
   Index end(HalfEdge h) const { return end_of(mesh_.mesh(), h); }
-  std::size_t half_edge_count() const { return 3 * mesh_.mesh().triangles.size(); }
 
   // ---- Vertices and the surface ----
 
@@ -246,9 +257,9 @@ class Remesher {
   void find_metrics() {
     shapes_ = shape_operators(mesh_.mesh(), normals_);
     metrics_.resize(shapes_.size());
-    for (std::size_t v = 0; v < shapes_.size(); ++v) {
+    tbb::parallel_for(std::size_t{0}, shapes_.size(), [&](std::size_t v) {
       metrics_[v] = bend_metric(shapes_[v], normals_[v], stretch_);
-    }
+    });
   }
 
   /// As of distance_from(): over saddles the surface is as far above as below anyway.
@@ -272,14 +283,25 @@ class Remesher {
   }
 
   void collapse_short(double share) {
-    for (HalfEdge h = 0; h < half_edge_count(); ++h) {
-      if (!mesh_.alive(triangle_of(h))) continue;
-      if (!(length_of(h) < share * share)) continue;
-      if (may_collapse(h, share < kInfinity ? kSlack : kStrict)) {
-        mesh_.collapse_edge(h);
-        ++statistics.collapses;
+    const double slack = share < kInfinity ? kSlack : kStrict;
+    statistics.collapses += change_edges([&](HalfEdge h) {
+      if (!(length_of(h) < share * share) || !may_collapse(h, slack)) return false;
+      mesh_.collapse_edge(h);
+      return true;
+    });
+  }
+
+  /// Calls change(h) for each half-edge, many at a time; it may collapse h or flip it. Returns how
+  /// often it did so, as it tells.
+  template <class Change>
+  std::size_t change_edges(const Change& change) {
+    std::atomic<std::size_t> changed = 0;
+    MeshBlocks(mesh_.mesh()).for_each_triangle(Depth::deep, [&](std::size_t t) {
+      for (std::size_t k = 0; k < 3 && mesh_.alive(t); ++k) {
+        if (change(static_cast<HalfEdge>(3 * t + k))) ++changed;
       }
-    }
+    });
+    return changed;
   }
 
   /// Whether the triangles that stay around the start of h would be near the surface, face its way,
@@ -359,20 +381,15 @@ class Remesher {
   }
 
   bool faces_outward(Index a, Index b, Index c) const {
-    const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
-    const double least = kTurn * norm(area);
-    return dot(area, normals_[a]) > least && dot(area, normals_[b]) > least &&
-           dot(area, normals_[c]) > least;
+    return faces_normals(mesh_.mesh().positions, normals_, {a, b, c}, kTurn);
   }
 
   /// Makes edges locally Delaunay where that keeps the mesh near the surface.
   void flip_edges() {
     for (int sweep = 0; sweep < 2; ++sweep) {
-      std::size_t flipped = 0;
-      for (HalfEdge h = 0; h < half_edge_count(); ++h) {
-        if (!mesh_.alive(triangle_of(h)) || mesh_.opposite(h) < h) continue;
-        if (should_flip(h) && mesh_.flip_edge(h)) ++flipped;
-      }
+      const std::size_t flipped = change_edges([&](HalfEdge h) {
+        return mesh_.opposite(h) > h && should_flip(h) && mesh_.flip_edge(h);
+      });
       statistics.flips += flipped;
       if (flipped == 0) break;
     }
@@ -406,75 +423,12 @@ class Remesher {
     if (smooth_share(mesh_, normals_) < kSmoothShare) return;
     find_metrics();
     std::vector<SpreadVertex> vertices;
-    for (Index v = 0; v < shapes_.size(); ++v)
+    vertices.reserve(shapes_.size());
+    for (Index v = 0; v < shapes_.size(); ++v) {
       vertices.push_back({shapes_[v], allowed(v), lift(v)});
+    }
     spread_error(mesh_, normals_, vertices, kSweeps);
     project(1);
-  }
-
-  // ---- Folds ----
-
-  /// Gets rid of triangles that face the wrong way, by collapsing or flipping one of their edges
-  /// where that leaves fewer of them around.
-  void unfold() {
-    constexpr int kMostSweeps = 6;
-    for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
-      std::size_t mended = 0;
-      for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) {
-        if (mesh_.alive(t) && folded(t) && mend(t)) ++mended;
-      }
-      if (mended == 0) break;
-    }
-  }
-
-  bool folded(std::size_t triangle) const {
-    const auto& t = mesh_.mesh().triangles[triangle];
-    return !faces_outward(t[0], t[1], t[2]);
-  }
-
-  bool mend(std::size_t triangle) {
-    HalfEdge best = 0;
-    int most = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto h = static_cast<HalfEdge>(3 * triangle + k);
-      for (const HalfEdge way : {h, mesh_.opposite(h)}) {
-        const int gain = folds_unmade(way);
-        if (gain > most && mesh_.can_collapse(way)) {
-          most = gain;
-          best = way;
-        }
-      }
-    }
-    if (most > 0) {
-      mesh_.collapse_edge(best);
-      ++statistics.collapses;
-      return true;
-    }
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto h = static_cast<HalfEdge>(3 * triangle + k);
-      const HalfEdge back = mesh_.opposite(h);
-      const Index a = start(h), b = end(h);
-      const Index c = end(next_in_triangle(h)), d = end(next_in_triangle(back));
-      if (c != d && faces_outward(d, c, a) && faces_outward(c, d, b) && mesh_.flip_edge(h)) {
-        ++statistics.flips;
-        return true;
-      }
-    }
-    return false;
-  }
-
-  /// How many folded triangles a collapse would leave fewer.
-  int folds_unmade(HalfEdge h) const {
-    const Index b = end(h);
-    const HalfEdge back = mesh_.opposite(h);
-    int before = 0, after = 0;
-    mesh_.for_ring(h, [&](HalfEdge turn) {
-      const Index c = end(turn), d = end(next_in_triangle(turn));
-      if (folded(triangle_of(turn))) ++before;
-      if (turn == h || triangle_of(turn) == triangle_of(back)) return;
-      if (!faces_outward(b, c, d)) ++after;
-    });
-    return before - after;
   }
 
   // ---- Moving ----
@@ -488,18 +442,18 @@ class Remesher {
     }
     const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = normals_;
     project(1);
-    take_back(old_points, old_normals);
+    take_back(MeshBlocks(mesh_.mesh()), old_points, old_normals);
   }
 
   /// Moves every vertex to the mean of the circumcentres of its triangles, all measured as the
   /// surface bends (Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations", 2004),
   /// where no triangle is the worse for it.
   void relax() {
-    const auto& triangles = mesh_.mesh().triangles;
     std::vector<Vec3d> sum(normals_.size(), Vec3d{});
     std::vector<double> weight(normals_.size(), 0.0);
-    for (const auto& t : triangles) {
-      if (t[0] == t[1]) continue;
+    const MeshBlocks blocks(mesh_.mesh());
+    blocks.for_each_triangle(Depth::inner, [&](std::size_t triangle) {
+      const auto& t = mesh_.mesh().triangles[triangle];
       const Symmetric3 form = form_of(t[0], t[1], t[2]);
       const double dense = metrics_[t[0]].density + metrics_[t[1]].density + metrics_[t[2]].density;
       for (std::size_t k = 0; k < 3; ++k) {
@@ -508,12 +462,13 @@ class Remesher {
         sum[t[k]] += mass * seen.to_centre();
         weight[t[k]] += mass;
       }
-    }
+    });
     const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = normals_;
-    for (const Index v : order_) {
+    tbb::parallel_for(std::size_t{0}, order_.size(), [&](std::size_t i) {
+      const Index v = order_[i];
       if (weight[v] > 0) move_along(v, sum[v] / weight[v]);
-    }
-    take_back(old_points, old_normals);
+    });
+    take_back(blocks, old_points, old_normals);
   }
 
   /// Moves a vertex as far as the surface and its normal can be told from how it bends there.
@@ -538,20 +493,23 @@ class Remesher {
   }
 
   /// Returns the vertices of triangles that turned over, until there are none or all are back.
-  void take_back(std::span<const Vec3d> points, std::span<const Vec3d> normals) {
-    std::vector<bool> back(normals.size(), false);
+  void take_back(const MeshBlocks& blocks, std::span<const Vec3d> points,
+                 std::span<const Vec3d> normals) {
+    std::vector<char> back(normals.size(), 0);
     constexpr int kMostRounds = 8;
     for (int round = 0; round < kMostRounds; ++round) {
-      bool any = false;
-      for (const auto& t : mesh_.mesh().triangles) {
-        if (t[0] == t[1] || !worse(t, points)) continue;
+      std::atomic<bool> any = false;
+      blocks.for_each_triangle(Depth::inner, [&](std::size_t triangle) {
+        const auto& t = mesh_.mesh().triangles[triangle];
+        if (!worse(t, points)) return;
         for (const Index v : t) {
-          if (back[v]) continue;
-          back[v] = any = true;
+          if (back[v] != 0) continue;
+          back[v] = 1;
+          any = true;
           mesh_.move_vertex(v, points[v]);
           normals_[v] = normals[v];
         }
-      }
+      });
       if (!any) break;
     }
   }

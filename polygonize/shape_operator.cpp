@@ -1,10 +1,13 @@
 #include "polygonize/shape_operator.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "libfield/base/check.h"
+#include "polygonize/mesh_blocks.h"
 
 namespace cs2mesh {
 namespace {
@@ -44,24 +47,22 @@ struct Fit {
 
 std::vector<Symmetric3> shape_operators(const TriangleMesh& mesh, std::span<const Vec3d> normals) {
   require(normals.size() == mesh.positions.size(), "shape_operators: one normal a vertex");
-  std::vector<TangentFrame> frames;
-  frames.reserve(normals.size());
-  for (const Vec3d& n : normals) frames.emplace_back(n);
   std::vector<Fit> fits(normals.size());
-  for (const auto& t : mesh.triangles) {
-    if (t[0] == t[1]) continue;
+  MeshBlocks(mesh).for_each_triangle(Depth::inner, [&](std::size_t triangle) {
+    const auto& t = mesh.triangles[triangle];
     for (std::size_t k = 0; k < 3; ++k) {
       const auto a = t[k], b = t[(k + 1) % 3];
       const Vec3d edge = mesh.positions[b] - mesh.positions[a], turn = normals[b] - normals[a];
       const double length = squared_norm(edge);
       if (!(length > 0)) continue;
-      const TangentFrame& frame = frames[a];
+      const TangentFrame frame(normals[a]);
       fits[a].add(dot(edge, frame.u), dot(edge, frame.v), dot(turn, frame.u), dot(turn, frame.v),
                   1 / length);
     }
-  }
+  });
   std::vector<Symmetric3> shapes(normals.size());
-  for (std::size_t v = 0; v < shapes.size(); ++v) shapes[v] = fits[v].solve(frames[v]);
+  tbb::parallel_for(std::size_t{0}, shapes.size(),
+                    [&](std::size_t v) { shapes[v] = fits[v].solve(TangentFrame(normals[v])); });
   return shapes;
 }
 

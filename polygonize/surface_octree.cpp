@@ -7,6 +7,7 @@
 #include <limits>
 #include <numeric>
 #include <span>
+#include <utility>
 
 #include "libfield/base/check.h"
 #include "polygonize/cell_table.h"
@@ -22,6 +23,11 @@ constexpr int kLeastLevel = 4;
 /// Restrictions reach this far beyond their cell, in its sides: a hair more than to the centres of
 /// neighbours as large as its children, so that dual cells lie within.
 constexpr double kMargin = 0.25 * (1 + 1e-9);
+
+/// Of the smallest side: how far cells are cut between whose centres the surface comes and goes, or
+/// seems to have several pieces. A channel through an edge is thinner than a cell, and they are
+/// few.
+constexpr double kBelow = 0.25;
 
 /// Not "lo <= 0 && 0 <= hi": an enclosure that is not a number clears nothing.
 bool may_hold_zero(const Interval& f) {
@@ -294,15 +300,40 @@ void SurfaceOctree::choose_largest(std::span<const Index> leaves, double smalles
   }
 }
 
-/// The largest leaves of dual cells that the surface seems to cut in several pieces, and leaves
-/// that may hold surface, unless it is proven to be a sheet, while all leaves around are on their
-/// side. (A sheet leaves such a leaf as it came, so the mesh misses a bump, not a piece.)
-std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(const SurfaceOctreeOptions& options) {
-  std::vector<bool> seen(octree_.size(), false), chosen(octree_.size(), false);
-  for (const DualCell& cell : mixed_dual_cells(octree_)) {
-    for (const Index leaf : cell) seen[leaf] = true;
+/// For each cell whether a leaf in it has that number or a higher one.
+std::vector<bool> SurfaceOctree::with_leaves_from(std::size_t first) const {
+  std::vector<bool> marked(octree_.size(), false);
+  for (std::size_t i = octree_.size(); i-- > 0;) {
+    const auto cell = static_cast<Index>(i);
+    if (octree_.is_leaf(cell)) {
+      marked[i] = i >= first;
+    } else {
+      for (int c = 0; c < 8; ++c) marked[i] = marked[i] || marked[octree_.child(cell, c)];
+    }
+  }
+  return marked;
+}
+
+/// The largest leaves of dual cells that the surface seems to cut in several pieces, of those
+/// around leaves from `first_new` on; without proof also leaves that may hold surface while all
+/// leaves around are on their side. (A sheet leaves such a leaf as it came, so the mesh misses a
+/// bump, not a piece.)
+std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(std::size_t first_new,
+                                                         const SurfaceOctreeOptions& options) {
+  std::vector<bool> chosen(octree_.size(), false);
+  const std::vector<DualCell> mixed = options.prove
+                                          ? mixed_dual_cells(octree_, with_leaves_from(first_new))
+                                          : mixed_dual_cells(octree_);
+  for (const DualCell& cell : mixed) {
     const CellCase& cut = cube_table().cases[inside_corners(octree_, cell)];
-    if (cut.ambiguous || cut.cycle_count > 1) choose_largest(cell, options.smallest, chosen);
+    if (cut.ambiguous || cut.cycle_count > 1) {
+      choose_largest(cell, kBelow * options.smallest, chosen);
+    }
+  }
+  if (options.prove) return numbers_of(chosen);
+  std::vector<bool> seen(octree_.size(), false);
+  for (const DualCell& cell : mixed) {
+    for (const Index leaf : cell) seen[leaf] = true;
   }
   for (Index i = 0; i < octree_.size(); ++i) {
     const bool small = octree_.side(octree_[i].level) < 2 * options.smallest;
@@ -400,19 +431,8 @@ void SurfaceOctree::ask_each(std::span<const Item> items, const SurfaceOctreeOpt
 /// on, and of edges of theirs that the surface may cross too often.
 std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
                                                          const SurfaceOctreeOptions& options) {
-  std::vector<bool> marked(octree_.size(), false);
-  for (std::size_t i = octree_.size(); i-- > 0;) {
-    const auto cell = static_cast<Index>(i);
-    if (octree_.is_leaf(cell)) {
-      marked[i] = i >= first_new;
-    } else {
-      for (int c = 0; c < 8; ++c) marked[i] = marked[i] || marked[octree_.child(cell, c)];
-    }
-  }
-  const DualGrid grid = dual_grid_around(octree_, marked);
+  const DualGrid grid = dual_grid_around(octree_, with_leaves_from(first_new));
   std::vector<bool> chosen(octree_.size(), false);
-  // A channel through an edge is thinner than a cell, and they are few.
-  constexpr double kBelow = 0.25;
   ask_each(
       std::span<const DualCell>(grid.cells), options,
       [&](const DualCell& cell, Counts& counts) { return is_simple(cell, counts.slopes); },
@@ -427,6 +447,7 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
 /// Cuts these leaves, and then whatever is neither small nor clear enough.
 Result<Done> SurfaceOctree::settle(std::vector<Index> open, const SurfaceOctreeOptions& options) {
   double progress = 0.0;
+  std::size_t first_unclear = octree_.size();
   while (!open.empty()) {
     const std::size_t first_new = octree_.size();
     if (options.progress != nullptr) options.progress->report("octree", progress);
@@ -441,7 +462,7 @@ Result<Done> SurfaceOctree::settle(std::vector<Index> open, const SurfaceOctreeO
     open = options.prove ? crowded(first_new, options) : std::vector<Index>{};
     if (!open.empty()) continue;
     octree_.settle_sides();
-    open = unclear(options);
+    open = unclear(std::exchange(first_unclear, octree_.size()), options);
   }
   return Done{};
 }

@@ -20,7 +20,7 @@ namespace cs2mesh {
 struct SurfaceOctreeOptions {
   double tolerance = 0.0;  ///< of the mesh to come; scene units, > 0
   /// Cells are not cut below this side, times two; scene units, > 0. Those between whose centres
-  /// the surface comes and goes, a quarter of it.
+  /// the surface comes and goes, or seems to have several pieces, a quarter of it.
   double smallest = 0.0;
   /// Cells that may hold surface are cut above this side; scene units, > 0.
   double largest = std::numeric_limits<double>::infinity();
@@ -90,7 +90,8 @@ class SurfaceOctree {
   void judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const;
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
   void take(Index cell, const Opened& opened, std::vector<Index>& open);
-  std::vector<Index> unclear(const SurfaceOctreeOptions& options);
+  std::vector<bool> with_leaves_from(std::size_t first) const;
+  std::vector<Index> unclear(std::size_t first_new, const SurfaceOctreeOptions& options);
   void choose_largest(std::span<const Index> leaves, double smallest, std::vector<bool>& chosen);
   std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
   bool is_simple(const DualCell& cell, std::size_t& slopes) const;

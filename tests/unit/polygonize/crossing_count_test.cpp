@@ -58,7 +58,9 @@ TEST(CrossingCount, IsThatOfSamplesWhereItIsTold) {
   EXPECT_GT(told[0], 1500U);
   EXPECT_GT(told[1], 100U);
   EXPECT_GT(twice, 10U) << "else the test says little";
-  EXPECT_EQ(counts.values, 4U * 3000U);
+  EXPECT_GE(counts.values, 3000U);
+  EXPECT_LE(counts.values, 2U * 3000U) << "at most four each, mostly one";
+  EXPECT_EQ(counts.gradients, counts.values);
 }
 
 }  // namespace

@@ -11,15 +11,11 @@
 namespace cs2mesh {
 namespace {
 
-using test::sphere_mesh;
+using test::bare_sphere;
 
-TriangleMesh bare_sphere(const Vec3d& center, double radius, bool inwards = false) {
-  TriangleMesh mesh = sphere_mesh(2, center, radius);
-  mesh.normals.clear();
-  mesh.colors.clear();
-  if (inwards) {
-    for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
-  }
+TriangleMesh hollow(const Vec3d& center, double radius) {
+  TriangleMesh mesh = bare_sphere(center, radius);
+  for (auto& t : mesh.triangles) std::swap(t[0], t[1]);
   return mesh;
 }
 
@@ -27,7 +23,7 @@ TriangleMesh bare_sphere(const Vec3d& center, double radius, bool inwards = fals
 MeshPart shell_and_more(const Vec3d& at = {}) {
   Model model;
   for (const TriangleMesh& mesh :
-       {bare_sphere(at, 2), bare_sphere(at, 1, true), bare_sphere(at + Vec3d{0.3, 0, 0}, 0.5),
+       {bare_sphere(at, 2), hollow(at, 1), bare_sphere(at + Vec3d{0.3, 0, 0}, 0.5),
         bare_sphere(at + Vec3d{4, 0, 0}, 0.25)}) {
     model.parts.push_back({"", mesh});
   }
@@ -118,8 +114,7 @@ TEST(LeaveOut, ABoxInABoxIsNotYetInside) {
 TEST(LeaveOut, PartsInsideOfOthersGoIfTheyMay) {
   Model model;
   model.parts.push_back({"inner", bare_sphere({}, 0.5)});
-  model.parts.push_back(
-      {"shell", joined({{{"", bare_sphere({}, 2)}, {"", bare_sphere({}, 1, true)}}})});
+  model.parts.push_back({"shell", joined({{{"", bare_sphere({}, 2)}, {"", hollow({}, 1)}}})});
   Model by_part = model;
   LeftOut left_out = leave_out(by_part, {.enclosed = true});
   EXPECT_EQ(left_out.enclosed.components, 1U);
@@ -146,7 +141,7 @@ TEST(LeaveOut, TrianglesKeepTheirSources) {
 
 TEST(LeaveOut, ABrokenMeshIsNotMended) {
   // Wound inwards with nothing around: for the check to find.
-  Model model{{{"inwards", bare_sphere({}, 1, true)}}};
+  Model model{{{"inwards", hollow({}, 1)}}};
   EXPECT_TRUE(leave_out(model, {.enclosed = true}).nothing());
   EXPECT_FALSE(check(model.parts[0].mesh).outward);
 }

@@ -50,6 +50,14 @@ inline TriangleMesh sphere_mesh(int levels, const Vec3d& center = {}, double rad
   return mesh;
 }
 
+/// The same without attributes.
+inline TriangleMesh bare_sphere(const Vec3d& center, double radius, int levels = 2) {
+  TriangleMesh mesh = sphere_mesh(levels, center, radius);
+  mesh.normals.clear();
+  mesh.colors.clear();
+  return mesh;
+}
+
 /// Two parts with coordinates that float32 cannot hold.
 inline Model two_spheres() {
   Model model;

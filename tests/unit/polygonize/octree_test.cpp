@@ -79,6 +79,27 @@ TEST(Octree, AnEvenTreeHasTheDualCellsOfALattice) {
   }
 }
 
+TEST(Octree, MixedDualCellsAroundMarkedLeavesAreThoseOfAll) {
+  Random random(3, 2);
+  for (int round = 0; round < 20; ++round) {
+    const Octree octree = random_octree(random, 5);
+    std::vector<bool> marked(octree.size(), false);
+    for (Octree::Index cell = octree.size(); cell-- > 0;) {
+      marked[cell] = octree.is_leaf(cell) && random.bits() % 10 == 0;
+      for (int i = 0; i < 8 && !octree.is_leaf(cell); ++i) {
+        marked[cell] = marked[cell] || marked[octree.child(cell, i)];
+      }
+    }
+    std::vector<DualCell> expected;
+    for (const DualCell& cell : mixed_dual_cells(octree)) {
+      if (std::any_of(cell.begin(), cell.end(), [&](auto leaf) { return marked[leaf]; })) {
+        expected.push_back(cell);
+      }
+    }
+    EXPECT_EQ(mixed_dual_cells(octree, marked), expected);
+  }
+}
+
 TEST(Octree, EveryCornerOfLeavesHasOneDualCell) {
   Random random(3, 1);
   for (int round = 0; round < 20; ++round) {

@@ -18,13 +18,6 @@ namespace {
 
 using namespace analytic;
 
-TriangleMesh bare_sphere(int levels) {
-  TriangleMesh mesh = test::sphere_mesh(levels);
-  mesh.normals.clear();
-  mesh.colors.clear();
-  return mesh;
-}
-
 double largest_error(const ImplicitSurface& surface, const TriangleMesh& mesh) {
   MeasureOptions options;
   options.samples = 50'000;
@@ -32,7 +25,7 @@ double largest_error(const ImplicitSurface& surface, const TriangleMesh& mesh) {
 }
 
 TEST(HalfEdges, OppositesRunTheOtherWay) {
-  const TriangleMesh mesh = bare_sphere(2);
+  const TriangleMesh mesh = test::bare_sphere({}, 1, 2);
   const std::vector<HalfEdge> opposite = opposite_half_edges(mesh);
   for (HalfEdge h = 0; h < opposite.size(); ++h) {
     EXPECT_EQ(opposite[opposite[h]], h);
@@ -44,7 +37,7 @@ TEST(HalfEdges, OppositesRunTheOtherWay) {
 }
 
 TEST(EditableMesh, StaysClosedWhateverIsSplit) {
-  EditableMesh mesh(bare_sphere(1));
+  EditableMesh mesh(test::bare_sphere({}, 1, 1));
   Random random(3);
   for (int i = 0; i < 400; ++i) {
     const std::size_t count = mesh.mesh().triangles.size();
@@ -68,8 +61,8 @@ TEST(EditableMesh, StaysClosedWhateverIsSplit) {
 TEST(Refine, BringsASphereWithinToleranceWithItsVerticesOnIt) {
   for (const double tolerance : {1e-1, 1e-2, 1e-3}) {
     RefineStatistics statistics;
-    const TriangleMesh mesh =
-        refine(Surface<Sphere>{}, bare_sphere(1), {.tolerance = tolerance}, &statistics);
+    const TriangleMesh mesh = refine(Surface<Sphere>{}, test::bare_sphere({}, 1, 1),
+                                     {.tolerance = tolerance}, &statistics);
     EXPECT_TRUE(statistics.far.empty());
     EXPECT_LE(largest_error(Surface<Sphere>{}, mesh), 1.1 * tolerance);
     EXPECT_TRUE(check(mesh).ok());
@@ -78,7 +71,7 @@ TEST(Refine, BringsASphereWithinToleranceWithItsVerticesOnIt) {
 }
 
 TEST(Refine, LeavesAloneWhatIsNearEnough) {
-  const TriangleMesh before = bare_sphere(4);
+  const TriangleMesh before = test::bare_sphere({}, 1, 4);
   RefineStatistics statistics;
   const TriangleMesh after = refine(Surface<Sphere>{}, before, {.tolerance = 0.01}, &statistics);
   EXPECT_EQ(statistics.splits, 0U);
@@ -91,7 +84,7 @@ TEST(Refine, LeavesAloneWhatIsNearEnough) {
 }
 
 TEST(InsertPoints, ATentReachesALostPoint) {
-  TriangleMesh mesh = bare_sphere(3);
+  TriangleMesh mesh = test::bare_sphere({}, 1, 3);
   const ClosestPoint tree(mesh);
   Random random(5);
   std::vector<LostPoint> lost;
@@ -100,7 +93,7 @@ TEST(InsertPoints, ATentReachesALostPoint) {
     const ClosestPoint::Hit hit = tree.nearest(p);
     lost.push_back({p, hit.point, hit.distance, hit.triangle});
   }
-  const std::vector<std::size_t> joined = insert_points(mesh, lost);
+  const std::vector<std::size_t> joined = insert_points(Surface<Sphere>{}, mesh, lost);
   EXPECT_GE(joined.size(), 15U);
   const std::size_t first = mesh.positions.size() - joined.size();
   for (std::size_t i = 0; i < joined.size(); ++i) {
@@ -120,7 +113,7 @@ struct SlottedBall {
 
 TEST(ShellProbe, FindsTheBottomOfASlotThatTheMeshBridges) {
   const Surface<SlottedBall> surface{};
-  const TriangleMesh mesh = bare_sphere(4);
+  const TriangleMesh mesh = test::bare_sphere({}, 1, 4);
   const ClosestPoint tree(mesh);
   const std::vector<LostPoint> lost =
       probe_shell(surface, mesh, tree, {.enough = 0.05, .spacing = 0.3});
@@ -139,7 +132,7 @@ TEST(SurfaceWatch, SeesAPieceThatTheMeshLacks) {
   const Surface<TouchingSpheres> two{};
   const SurfaceWatch watch(two, {.samples = 20'000, .enough = 0.1});
   ASSERT_TRUE(watch.any());
-  const SurfaceWatch::Look look = watch.look(ClosestPoint(bare_sphere(4)));
+  const SurfaceWatch::Look look = watch.look(ClosestPoint(test::bare_sphere({}, 1, 4)));
   EXPECT_GT(look.farthest, 0.1);
   EXPECT_FALSE(look.lost.empty());
   for (const LostPoint& lost : look.lost) {

@@ -20,10 +20,7 @@ using namespace test;
 using std::numbers::pi;
 
 MeshPart ball(const std::string& name, const Vec3d& center, double radius = 1.0, int levels = 4) {
-  TriangleMesh mesh = sphere_mesh(levels, center, radius);
-  mesh.normals.clear();
-  mesh.colors.clear();
-  return {name, std::move(mesh)};
+  return {name, bare_sphere(center, radius, levels)};
 }
 
 /// Axis-parallel, two triangles a face.
