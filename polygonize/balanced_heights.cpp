@@ -10,21 +10,24 @@ namespace cs2mesh {
 std::vector<double> balanced_heights(const TriangleMesh& mesh, std::span<const Vec3d> normals,
                                      double most) {
   require(normals.size() == mesh.positions.size(), "balanced_heights: one normal a vertex");
-  std::vector<double> up(normals.size(), 0.0), down(normals.size(), 0.0);
   const auto rise = [&](TriangleMesh::Index a, TriangleMesh::Index b) {
     return sagitta(mesh.positions[a], normals[a], mesh.positions[b], normals[b]);
   };
-  for (const auto& t : mesh.triangles) {
-    if (t[0] == t[1]) continue;
-    const auto range = deviation_range(rise(t[0], t[1]), rise(t[1], t[2]), rise(t[2], t[0]));
-    const double middle = 0.5 * (range.low + range.high);
-    for (const auto v : t) {
-      up[v] = std::clamp(middle, up[v], most);
-      down[v] = std::clamp(middle, -most, down[v]);
+  std::vector<DeviationRange> ranges(normals.size());
+  for (const auto& [a, b, c] : mesh.triangles) {
+    if (a == b) continue;
+    const DeviationRange range = deviation_range(rise(a, b), rise(b, c), rise(c, a));
+    for (const auto v : {a, b, c}) {
+      ranges[v].low = std::min(ranges[v].low, range.low);
+      ranges[v].high = std::max(ranges[v].high, range.high);
     }
   }
-  for (std::size_t v = 0; v < up.size(); ++v) up[v] += down[v];
-  return up;
+  std::vector<double> heights;
+  heights.reserve(ranges.size());
+  for (const DeviationRange& range : ranges) {
+    heights.push_back(std::clamp(0.5 * (range.low + range.high), -most, most));
+  }
+  return heights;
 }
 
 }  // namespace cs2mesh

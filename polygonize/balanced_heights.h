@@ -1,4 +1,4 @@
-// Vertices off the surface, so that it is as far above the triangles as below.
+// How far vertices may be lifted off a surface to have it as far above triangles as below.
 #pragma once
 
 #include <span>
@@ -8,10 +8,11 @@
 
 namespace cs2mesh {
 
-/// For each vertex the height above the surface, in scene units, at which the surface is as far
-/// above the triangle around it that asks for most as below; within [-most, most], 0 without
-/// triangles. `mesh` has its vertices on the surface, whose outward unit `normals` there tell how
-/// far it is from each triangle, to second order; triangles with a corner twice do not count. O(n).
+/// For each vertex of a mesh on a surface with these unit normals, the middle between how far the
+/// surface is below and above the triangles there, as the normals tell it (sagitta.h): positive
+/// where it is convex, about 0 over saddles. In scene units, along the normals, no more than `most`
+/// either way. 0 for vertices without triangles; those whose first two corners are the same are
+/// left out. O(n).
 std::vector<double> balanced_heights(const TriangleMesh& mesh, std::span<const Vec3d> normals,
                                      double most);
 

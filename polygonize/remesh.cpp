@@ -22,6 +22,7 @@
 #include "polygonize/points_half_way.h"
 #include "polygonize/sagitta.h"
 #include "polygonize/shape_operator.h"
+#include "polygonize/spread_error.h"
 #include "polygonize/triangle_sample.h"
 #include "polygonize/triangle_shape.h"
 
@@ -71,6 +72,7 @@ class Remesher {
       flip_edges();
       collapse_short(kInfinity);
       even_out();
+      spread();
     }
     settle();
     untangle();
@@ -89,6 +91,7 @@ class Remesher {
     if (options_.balance) balance();
   }
 
+  /// Moves vertices off the surface so that it is as far above the triangles at each as below.
   void balance() {
     constexpr double kMost = 0.9;  // of the tolerance
     const auto heights = balanced_heights(mesh_.mesh(), normals_, kMost * options_.tolerance);
@@ -243,10 +246,9 @@ class Remesher {
   DeviationRange range_of(Index a, Index b, Index c) const {
     return deviation_range(sagitta_of(a, b), sagitta_of(b, c), sagitta_of(c, a));
   }
-  /// How far a triangle is from the surface; balanced, how far it would be at half the height.
+  /// How far a triangle is from the surface; balanced, how far it would be if it were lifted.
   double deviation_of(Index a, Index b, Index c) const {
-    const auto [low, high] = range_of(a, b, c);
-    return options_.balance ? 0.5 * (high - low) : std::max(-low, high);
+    return distance_from(range_of(a, b, c), (lift(a) + lift(b) + lift(c)) / 3);
   }
   /// How far triangles at a vertex may be from the surface: where cells are small, other sheets may
   /// be near.
@@ -254,10 +256,8 @@ class Remesher {
     constexpr double kCellShare = 0.5;
     return std::min(slack * kFit * options_.tolerance, kCellShare * side_at(v));
   }
-  /// Where the surface is smooth, triangles may be farther from it at first: flipping and moving
-  /// spreads the error.
+  /// Where the surface is smooth, moving spreads the error: triangles may be farther at first.
   double slack_of(Index a, Index b, Index c, double most) const {
-    constexpr double kSmooth = 0.9;  // cosine between normals
     const bool smooth = dot(normals_[a], normals_[b]) > kSmooth &&
                         dot(normals_[b], normals_[c]) > kSmooth &&
                         dot(normals_[c], normals_[a]) > kSmooth;
@@ -278,9 +278,10 @@ class Remesher {
     });
   }
 
-  /// 2 where a triangle may be the tolerance off on either side, 1 where it is on both anyway.
-  double sides(Index v) const {
-    return options_.balance ? 1 + std::clamp(1 + metrics_[v].ratio, 0.0, 1.0) : 1.0;
+  /// As of distance_from(): over saddles the surface is as far above as below anyway.
+  double lift(Index v) const {
+    constexpr double kSteep = 4.0;
+    return options_.balance ? std::clamp(1 + kSteep * metrics_[v].ratio, 0.0, 1.0) : 0.0;
   }
 
   /// The squared length of an edge, 1 where it is what suits the curvature.
@@ -291,7 +292,8 @@ class Remesher {
       // Where the principal curvatures differ, a triangle is nearer than on a sphere of the
       // greater.
       const double gain = 1 + (1 - std::max(metrics_[v].ratio, 0.0)) / 3;
-      return dot(edge, metrics_[v].form * edge) / (6 * gain * sides(v) * kFit * options_.tolerance);
+      return dot(edge, metrics_[v].form * edge) /
+             (6 * gain * (1 + lift(v)) * kFit * options_.tolerance);
     };
     return std::max(at(a), at(b));
   }
@@ -345,7 +347,7 @@ class Remesher {
   bool near_vertex(Index v, Index a, Index b, Index c, double slack) const {
     const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
     const double height = dot(area, position(v) - position(a));
-    return std::abs(height) <= sides(v) * allowed(v, slack_of(a, b, c, slack)) * norm(area);
+    return std::abs(height) <= (1 + lift(v)) * allowed(v, slack_of(a, b, c, slack)) * norm(area);
   }
 
   Symmetric3 form_of(Index a, Index b, Index c) const {
@@ -428,6 +430,21 @@ class Remesher {
   /// The tangent of the smallest angle.
   double angle_of(Index a, Index b, Index c) const {
     return tangent_of_smallest_angle(position(a), position(b), position(c));
+  }
+
+  /// Moves vertices and flips edges so that triangles are equally far from the surface.
+  void spread() {
+    constexpr int kSweeps = 6;
+    constexpr double kSmoothShare = 0.9;  // along grooves, measuring has to cut again what comes
+    if (smooth_share(mesh_, normals_) < kSmoothShare) return;
+    find_metrics();
+    std::vector<SpreadVertex> vertices;
+    vertices.reserve(shapes_.size());
+    for (Index v = 0; v < shapes_.size(); ++v) {
+      vertices.push_back({shapes_[v], allowed(v), lift(v)});
+    }
+    spread_error(mesh_, normals_, vertices, kSweeps);
+    project(1);
   }
 
   // ---- Moving ----
@@ -524,7 +541,6 @@ class Remesher {
   /// Most ratio of curvatures that triangles follow, at first and last.
   static constexpr double kStretch = 4.0, kLastStretch = 3.0;
   static constexpr double kTurn = 0.2;  ///< least cosine between a triangle and its normals
-
   const ImplicitSurface& surface_;
   const SurfaceOctree& tree_;
   const RemeshOptions& options_;

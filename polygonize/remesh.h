@@ -6,7 +6,7 @@
 // bends (shape_operator.h): there, triangles are to be equilateral, of the size that has the middle
 // of each the tolerance off (Botsch and Kobbelt, "A remeshing approach to multiresolution
 // modeling", 2004; lengths after Alliez et al., "Anisotropic polygonal remeshing", 2003). Those
-// that are too far at last are split.
+// that are too far at last are split, and the error is spread (spread_error.h).
 #pragma once
 
 #include <cstddef>

@@ -35,11 +35,17 @@ inline DeviationRange deviation_range(double s01, double s12, double s20) {
   return range;
 }
 
-/// The greatest distance between them. For an equilateral triangle on a sphere that is 4/3 of the
-/// sagitta.
+/// The greatest distance between a triangle and a surface that is so far above it, if the triangle
+/// is lifted by that part, in [0, 1], of what has it as far below as above.
+inline double distance_from(const DeviationRange& range, double lift) {
+  const double height = 0.5 * lift * (range.low + range.high);
+  return std::max(range.high - height, height - range.low);
+}
+
+/// The same of a triangle with these sagittas that is not lifted. For an equilateral one on a
+/// sphere that is 4/3 of the sagitta.
 inline double deviation(double s01, double s12, double s20) {
-  const DeviationRange range = deviation_range(s01, s12, s20);
-  return std::max(-range.low, range.high);
+  return distance_from(deviation_range(s01, s12, s20), 0.0);
 }
 
 }  // namespace cs2mesh

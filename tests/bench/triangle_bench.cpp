@@ -1,6 +1,6 @@
 // Meshes a scene with the adaptive mesher and tells how well its triangles are used: how many there
-// are beside the optimum of hexagons, their angles and valences, and which share of the tolerance
-// each of them needs.
+// are beside the optimum, their angles and valences, and which share of the tolerance each of them
+// needs.
 //
 //   triangle_bench SCENE TOLERANCE [balance]
 #include <algorithm>
@@ -15,6 +15,7 @@
 #include "polygonize/triangle_sample.h"
 #include "polygonize/triangle_shape.h"
 #include "tests/bench/bench_scene.h"
+#include "tests/bench/largest_triangle.h"
 
 namespace cs2mesh {
 namespace {
@@ -45,32 +46,81 @@ class Histogram {
   std::size_t all_ = 0;
 };
 
-/// The integrals over the surface of sqrt |k1 k2| and of the greater of |k1| and |k2|.
+/// The greater principal curvature of a surface at a point, and the lesser over it.
 struct Curvature {
-  double both = 0.0, greater = 0.0;
+  double greater = 0.0, ratio = 0.0;
 };
 
-Curvature curvature_of(const ImplicitSurface& surface, const TriangleMesh& mesh) {
+Curvature curvature_of(const Jet2& jet) {
+  const double slope = norm(jet.gradient);
+  const Vec3d n = jet.gradient / slope;
+  const Vec3d side = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = cross(n, side) / norm(cross(n, side)), v = cross(n, u);
+  const Vec3d hu = jet.hessian * u, hv = jet.hessian * v;
+  const double uu = dot(u, hu) / slope, vv = dot(v, hv) / slope, uv = dot(u, hv) / slope;
+  const double mean = 0.5 * std::abs(uu + vv), radius = std::hypot(0.5 * (uu - vv), uv);
+  return {mean + radius, mean + radius > 0 ? (mean - radius) / (mean + radius) : 0.0};
+}
+
+/// Of a part of the surface: the triangles that there are, and that there could be.
+struct Use {
+  double triangles = 0.0;
+  double hexagonal = 0.0;  ///< 0.385 / tolerance times the integral of sqrt |k1 k2|
+  double least = 0.0;      ///< of triangles without thin ones
+
+  Use& operator+=(const Use& other) {
+    triangles += other.triangles;
+    hexagonal += other.hexagonal;
+    least += other.least;
+    return *this;
+  }
+  void print() const {
+    std::printf("%.0f triangles, %.3f x %.0f, %.3f x %.0f\n", triangles, triangles / hexagonal,
+                hexagonal, triangles / least, least);
+  }
+};
+
+/// By the ratio of curvatures, in equal steps from -1 to 1.
+constexpr int kRatios = 20;
+using Uses = std::array<Use, kRatios>;
+
+Uses uses_of(const ImplicitSurface& surface, const TriangleMesh& mesh, double tolerance,
+             bool balance) {
   std::vector<Vec3d> points;
   for (const auto& t : mesh.triangles) {
     points.push_back((mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0);
   }
   std::vector<Jet2> jets(points.size());
   surface.second_jets(points, jets);
-  Curvature sum;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const double slope = norm(jets[i].gradient);
-    const Vec3d n = jets[i].gradient / slope;
-    const Vec3d side = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-    const Vec3d u = cross(n, side) / norm(cross(n, side)), v = cross(n, u);
-    const Vec3d hu = jets[i].hessian * u, hv = jets[i].hessian * v;
-    const double uu = dot(u, hu) / slope, vv = dot(v, hv) / slope, uv = dot(u, hv) / slope;
-    const double mean = 0.5 * (uu + vv), radius = std::hypot(0.5 * (uu - vv), uv);
-    const double part = norm(area_vector(mesh, i));
-    sum.both += part * std::sqrt(std::abs(uu * vv - uv * uv));
-    sum.greater += part * (std::abs(mean) + radius);
+  std::array<double, kRatios> largest{};
+  for (int i = 0; i < kRatios; ++i) {
+    const double ratio = 2 * (i + 0.5) / kRatios - 1;
+    largest[static_cast<std::size_t>(i)] = bench::largest_triangle(ratio, kThinAngle, balance);
   }
-  return sum;
+  // A triangle of circumradius c on a sphere of radius R is c^2 / (2 R) off.
+  const double hexagon = 1.5 * std::sqrt(3.0) * (balance ? 2 : 1);
+  Uses uses;
+  for (std::size_t t = 0; t < points.size(); ++t) {
+    const auto [greater, ratio] = curvature_of(jets[t]);
+    const double part = norm(area_vector(mesh, t)) * greater / tolerance;
+    const auto i =
+        static_cast<std::size_t>(std::clamp(0.5 * kRatios * (ratio + 1), 0.0, kRatios - 1.0));
+    uses[i] += {1, part * std::sqrt(std::abs(ratio)) / hexagon, part / largest[i]};
+  }
+  return uses;
+}
+
+void print_uses(const Uses& uses) {
+  std::printf("  triangles beside the least of equilateral ones, and of any without thin ones:\n");
+  Use all;
+  for (std::size_t i = 0; i < kRatios; ++i) {
+    all += uses[i];
+    if (uses[i].triangles == 0) continue;
+    std::printf("    k2 / k1 from %.1f: ", 2.0 * static_cast<double>(i) / kRatios - 1);
+    uses[i].print();
+  }
+  std::printf("    all: ");
+  all.print();
 }
 
 /// The first-order distance of each triangle where it is looked at.
@@ -125,15 +175,7 @@ int run(const char* path, double tolerance, bool balance) {
     const TriangleMesh& mesh = made->mesh;
     std::printf("%s %s tolerance %.3g: %zu triangles in %.2f s of processor time\n", path,
                 part.name.c_str(), tolerance, mesh.triangles.size(), processor_seconds() - start);
-    const Curvature curvature = curvature_of(*part.surface, mesh);
-    // A triangle of circumradius c on a sphere of radius R is c^2 / (2 R) off.
-    const double hexagonal = 0.385 / tolerance;
-    const auto n = static_cast<double>(mesh.triangles.size());
-    std::printf(
-        "  of 0.385 / tolerance: %.3f times the integral of sqrt|k1 k2| (%.0f), "
-        "%.3f times that of max(|k1|, |k2|)\n",
-        n / (hexagonal * curvature.both), hexagonal * curvature.both,
-        n / (hexagonal * curvature.greater));
+    print_uses(uses_of(*part.surface, mesh, tolerance, balance));
     print_shapes(mesh);
     Histogram used(20);
     for (const double d : distances(*part.surface, mesh)) used.add(d / tolerance);
