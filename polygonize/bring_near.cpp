@@ -134,14 +134,21 @@ class Bringer {
     RefineStatistics refined;
     mesh_ = refine(surface_, std::move(mesh_), refinement, &refined);
     result_.jets += mesh_.triangles.size();
-    std::vector<std::uint64_t> far;
-    for (const LostPoint& lost : refined.far) far.push_back(triangle_key(mesh_, lost.triangle));
+    std::vector<std::uint64_t> doubtful;
+    for (const LostPoint& lost : refined.far) {
+      doubtful.push_back(triangle_key(mesh_, lost.triangle));
+    }
+    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
+      const auto& corners = mesh_.triangles[t];
+      const bool unseen = *std::max_element(corners.begin(), corners.end()) >= refined.first_unseen;
+      if (unseen) doubtful.push_back(triangle_key(mesh_, t));
+    }
     if (first) {
       improve_once();
       find_again(refined.far, mesh_);
     }
     near_ = TriangleSet(mesh_);
-    for (const std::uint64_t key : far) near_.remove(key);
+    near_.remove(std::move(doubtful));
     return std::move(refined.far);
   }
 

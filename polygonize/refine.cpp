@@ -62,8 +62,12 @@ class Refiner {
       mark_far_triangles();
       mark_longest_edges();
       place_middles();
-      if (!divide()) return;
+      if (!divide()) {
+        statistics.first_unseen = kNone;
+        return;
+      }
       ++statistics.rounds;
+      statistics.first_unseen = first_new_;
     }
   }
 

@@ -10,6 +10,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "libfield/base/progress.h"
@@ -44,8 +45,10 @@ struct RefineStatistics {
   /// Edges that were too far away but kept, since the mesh would have been folded there, or since
   /// no surface was found within their length of their middle.
   std::size_t kept = 0;
-  /// The triangles that are too far for all that, but for those that the last of most_rounds made.
+  /// The triangles that are too far for all that, among those that were looked at: all but the ones
+  /// that the last of most_rounds made, which have a vertex of the number `first_unseen` or above.
   std::vector<LostPoint> far;
+  TriangleMesh::Index first_unseen = std::numeric_limits<TriangleMesh::Index>::max();
 };
 
 /// `mesh` is closed, oriented and manifold along its edges (else ContractViolation), without

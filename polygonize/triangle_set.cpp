@@ -60,9 +60,12 @@ std::vector<std::uint32_t> TriangleSet::others(const TriangleMesh& mesh) const {
   return found;
 }
 
-void TriangleSet::remove(std::uint64_t key) {
-  const auto range = std::equal_range(keys_.begin(), keys_.end(), key);
-  keys_.erase(range.first, range.second);
+void TriangleSet::remove(std::vector<std::uint64_t> keys) {
+  std::sort(keys.begin(), keys.end());
+  std::erase_if(keys_, [next = keys.begin(), end = keys.end()](std::uint64_t key) mutable {
+    while (next != end && *next < key) ++next;
+    return next != end && *next == key;
+  });
 }
 
 }  // namespace cs2mesh

@@ -70,6 +70,18 @@ TEST(Refine, BringsASphereWithinToleranceWithItsVerticesOnIt) {
   }
 }
 
+TEST(Refine, TellsWhatTheLastRoundHasNotSeen) {
+  const TriangleMesh before = test::bare_sphere({}, 1, 1);
+  RefineStatistics statistics;
+  const TriangleMesh once =
+      refine(Surface<Sphere>{}, before, {.tolerance = 1e-3, .most_rounds = 1}, &statistics);
+  EXPECT_EQ(statistics.rounds, 1);
+  EXPECT_EQ(statistics.first_unseen, before.positions.size());
+  EXPECT_GT(once.positions.size(), before.positions.size());
+  refine(Surface<Sphere>{}, once, {.tolerance = 1e-2}, &statistics);
+  EXPECT_EQ(statistics.first_unseen, ~TriangleMesh::Index{0}) << "all";
+}
+
 TEST(Refine, LeavesAloneWhatIsNearEnough) {
   const TriangleMesh before = test::bare_sphere({}, 1, 4);
   RefineStatistics statistics;
