@@ -207,6 +207,7 @@ class Remesher {
   /// Vertices that swing to and fro, as beside a kink: to a change of sign on their line.
   void search(const std::vector<Index>& open) {
     std::vector<RootQuery> lines;
+    lines.reserve(open.size());
     for (const Index v : open) {
       lines.push_back({position(v), normals_[v], last_step_[v], side_at(v)});
     }

@@ -109,6 +109,7 @@ std::vector<std::size_t> move_by_newton(
   std::vector<double> last_change(roots.size(), 1.0);
   for (int step = 0; step < kNewtonSteps && !open.empty(); ++step) {
     std::vector<Vec3d> at;
+    at.reserve(open.size());
     for (const std::size_t e : open) at.push_back(roots[e]);
     std::vector<Jet> jets(at.size());
     block.surface->jets(at, jets);
@@ -216,6 +217,7 @@ void append_crossings(const SurfaceBlock& block, int cells, std::vector<Vec3d>& 
 
   // From where the values' chord crosses 0.
   std::vector<Vec3d> roots;
+  roots.reserve(crossed.size());
   for (const auto& [a, b] : crossed) {
     roots.push_back(points[a] + (values[a] / (values[a] - values[b])) * (points[b] - points[a]));
   }
