@@ -143,12 +143,13 @@ class Bringer {
       const bool unseen = *std::max_element(corners.begin(), corners.end()) >= refined.first_unseen;
       if (unseen) doubtful.push_back(triangle_key(mesh_, t));
     }
+    near_ = TriangleSet(mesh_);
+    near_.remove(std::move(doubtful));
+    // What is improved moves a little after it was measured: the next pass looks at it.
     if (first) {
       improve_once();
       find_again(refined.far, mesh_);
     }
-    near_ = TriangleSet(mesh_);
-    near_.remove(std::move(doubtful));
     return std::move(refined.far);
   }
 
