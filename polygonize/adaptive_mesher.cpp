@@ -36,10 +36,7 @@ constexpr double kCloseLook = 2.5;
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
 SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
   constexpr double kNeck = 1.0 / 64, kShare = 0.35, kLattice = 0.8;
-  constexpr std::size_t kManySlopes = 200'000;  // of two dozen elements, some five seconds
   SurfaceOctreeOptions options;
-  options.most_slopes = kManySlopes;
-  options.fair_side = kShare * request.tolerance;
   options.tolerance = request.tolerance;
   options.prove = prove;
   if (!prove) options.coarseness = kCloseLook;
@@ -58,14 +55,25 @@ SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
   return options;
 }
 
+/// Where kernels end, grooves may be as narrow as their edges, and bounds are summed element by
+/// element: there proofs may be given up.
+void limit_proofs(const ImplicitSurface& surface, SurfaceOctreeOptions& options) {
+  constexpr std::size_t kManySlopes = 600'000;  // of two dozen elements, some ten seconds
+  constexpr double kFair = 0.35;                // tolerances
+  if (std::isfinite(surface.derivative_bound(3, surface.bounds()))) return;
+  options.most_slopes = kManySlopes;
+  options.fair_side = kFair * options.tolerance;
+}
+
 class Adaptive {
  public:
   Adaptive(const ImplicitSurface& surface, const MesherRequest& request, AdaptiveStatistics& log)
       : surface_(surface), request_(request), log_(log), provable_(surface.has_cheap_bounds()) {}
 
   Result<MesherResult> run() {
-    Result<SurfaceOctree> tree =
-        SurfaceOctree::build(surface_, octree_options(request_, provable_));
+    SurfaceOctreeOptions options = octree_options(request_, provable_);
+    if (provable_) limit_proofs(surface_, options);
+    Result<SurfaceOctree> tree = SurfaceOctree::build(surface_, options);
     if (!tree) return Result<MesherResult>::failure(tree.diagnostics());
     look_at(*tree);
     // Slits far below the smallest cell: better looked for than sampled by chance.
@@ -78,9 +86,8 @@ class Adaptive {
       lattice_.emplace(mesh_by_lattice(surface_, request_));
       if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
-      SurfaceOctreeOptions closer = octree_options(request_, provable_);
-      closer.coarseness = kCloseLook;
-      tree = SurfaceOctree::build(surface_, closer);
+      options.coarseness = kCloseLook;
+      tree = SurfaceOctree::build(surface_, options);
       if (!tree) return Result<MesherResult>::failure(tree.diagnostics());
       look_at(*tree);
     }
