@@ -14,6 +14,7 @@
 #include "polygonize/sagitta.h"
 #include "polygonize/shape_operator.h"
 #include "polygonize/triangle_sample.h"
+#include "polygonize/triangle_set.h"
 #include "polygonize/triangle_shape.h"
 
 namespace cs2mesh {
@@ -284,7 +285,8 @@ class Improver {
     std::vector<std::size_t> all(made_.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     std::vector<char> far(made_.size(), 0);
-    const FarOptions far_options{options_.tolerance, options_.small, 100 * options_.tolerance};
+    FarOptions far_options{options_.tolerance, options_.small, 100 * options_.tolerance};
+    if (surface_.has_cheap_hull_bounds()) far_options.directions = normals_;
     for_each_neighbourhood(all.size(), [&](std::size_t first, std::size_t last) {
       const auto some = std::span(all).subspan(first, last - first);
       for (const LostPoint& lost : far_triangles(surface_, proposed, some, far_options)) {
@@ -301,7 +303,13 @@ class Improver {
         ++statistics.refused;
       } else if (carry_out(proposal)) {
         ++changed;
-        if (proposal.kind == Kind::move) moved.push_back(start(proposal.edge));
+        if (proposal.kind == Kind::move) {
+          moved.push_back(start(proposal.edge));
+          continue;
+        }
+        for (std::size_t i = 0; i < proposal.count; ++i) {
+          statistics.near.push_back(triangle_key(proposed, proposal.first + i));
+        }
       }
     }
     bring_back(moved);
