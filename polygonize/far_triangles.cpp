@@ -137,13 +137,15 @@ class Measurer {
   }
 
   /// Whether the point was looked at, or is near by what is known: distances differ by no more than
-  /// the way between two points.
+  /// the way between two points. Beyond a crease they may be twice what the first order says.
   bool is_covered(const Record& record, const Vec3d& p) const {
-    return std::any_of(record.known.begin(), record.known.end(), [&](const Known& known) {
-      const bool sure = known.distance <= kSurely * options_.tolerance;
-      const double reach = sure ? options_.tolerance - known.distance : 0.0;
-      return squared_norm(p - known.point) <= reach * reach;
-    });
+    return std::any_of(record.known.begin(), record.known.end(),
+                       [&](const Known& known) { return covers(known, p); });
+  }
+  bool covers(const Known& known, const Vec3d& p) const {
+    const bool sure = known.distance <= kSurely * options_.tolerance;
+    const double reach = sure ? options_.tolerance - 2 * known.distance : 0.0;
+    return squared_norm(p - known.point) <= reach * reach;
   }
 
   void want(std::size_t i, const Vec3d& p) {
@@ -152,8 +154,13 @@ class Measurer {
 
   void want_first(std::size_t i) {
     const Vec3d sample = sample_point(mesh_, triangles_[i]);
-    if (is_covered(records_[i], sample)) return;  // so is the rest
-    want(i, sample);
+    // What is that near to all three corners has the rest near one of them.
+    const std::vector<Known>& corners = records_[i].known;
+    if (std::all_of(corners.begin(), corners.end(),
+                    [&](const Known& corner) { return covers(corner, sample); })) {
+      return;
+    }
+    samples_.push_back({i, sample, {}});
     const auto& [a, b, c] = mesh_.triangles[triangles_[i]];
     for (const auto& [p, q] : {std::pair{a, b}, std::pair{b, c}, std::pair{c, a}}) {
       const Vec3d middle = 0.5 * (mesh_.positions[p] + mesh_.positions[q]);
