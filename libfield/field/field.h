@@ -50,6 +50,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   double least_slope(const Aabb& box, const Vec3d& direction) const override;
   Rise rise(const Aabb& box, const Vec3d& gradient) const override;
   bool has_cheap_bounds() const override;
+  bool has_cheap_hull_bounds() const override;
   double derivative_bound(int order, const Aabb& box) const override;
   /// In the exponent where all terms near are positive and of kernels without an end. Some 30 ns a
   /// Gaussian point near, 1 us another; with far fields, of all their terms.

@@ -330,6 +330,10 @@ bool Field::has_cheap_bounds() const {
   return data_->cheap_bounds;
 }
 
+bool Field::has_cheap_hull_bounds() const {
+  return data_->cheap_hulls;
+}
+
 double Field::derivative_bound(int order, const Aabb& box) const {
   require(1 <= order && order <= 4, "derivative bounds exist for orders 1 to 4");
   if (order == 1) {
