@@ -145,7 +145,7 @@ class Bringer {
     }
     near_ = TriangleSet(mesh_);
     near_.remove(std::move(doubtful));
-    // What is improved moves a little after it was measured: the next pass looks at it.
+    // What is moved then moves a little more after it was measured: the next pass looks at it.
     if (first) {
       improve_once();
       find_again(refined.far, mesh_);
@@ -158,7 +158,9 @@ class Bringer {
     improvement.tolerance = kRefined * options_.tolerance;
     improvement.small = options_.small;
     improvement.progress = options_.progress;
-    mesh_ = improve(surface_, std::move(mesh_), improvement);
+    ImproveStatistics improved;
+    mesh_ = improve(surface_, std::move(mesh_), improvement, &improved);
+    near_.add(std::move(improved.near));
   }
 
   /// Triangles that cross are first to be smaller there, as those that are mended may be farther

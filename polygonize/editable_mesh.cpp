@@ -74,7 +74,7 @@ bool EditableMesh::can_collapse(HalfEdge h) const {
       around[count++] = end_of(mesh_, turn);
     }
   });
-  if (!fits || count <= 3) return false;
+  if (!fits) return false;
   const auto end = around.begin() + static_cast<std::ptrdiff_t>(count);
   std::size_t shared = 0, valence = 0;
   for_ring(back, [&](HalfEdge turn) {
@@ -82,7 +82,8 @@ bool EditableMesh::can_collapse(HalfEdge h) const {
     const Index v = end_of(mesh_, turn);
     if (v != a && std::find(around.begin(), end, v) != end) ++shared;
   });
-  return shared == 2 && valence + count <= kMostValence &&
+  const std::size_t then = valence + count - 4;
+  return shared == 2 && then >= 3 && then + 4 <= kMostValence &&
          valence_above_three(before_in_triangle(h)) &&
          valence_above_three(before_in_triangle(back));
 }

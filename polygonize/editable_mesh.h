@@ -44,7 +44,7 @@ class EditableMesh {
   /// two. Each keeps its number for the part at the start of its half-edge; two are appended.
   void split_edge(HalfEdge h, const Vec3d& p);
   /// Whether h, from a to b, can be collapsed: a and b have no neighbours in common but the two
-  /// apexes, and each of these keeps three neighbours.
+  /// apexes, and each of these and b keep three neighbours.
   bool can_collapse(HalfEdge h) const;
   /// Moves a into b: the two triangles at the edge and a are gone. Contract: can_collapse(h).
   void collapse_edge(HalfEdge h);

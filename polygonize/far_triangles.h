@@ -21,13 +21,19 @@ struct FarOptions {
   double small = 0.0;
   /// No surface is looked for farther away; scene units.
   double longest_way = std::numeric_limits<double>::infinity();
+  /// If given, for each vertex the way out (near_proof.h): triangles that are proven to be near are
+  /// not measured.
+  std::span<const Vec3d> directions{};
 };
 
-/// Of each of these triangles of the mesh that is too far, a point where it is. Looks at the point
-/// where one with its corners on a sphere is farthest from it and at the middles of its edges, and
-/// at more where that is in doubt. Distances are those of find_foot(). The triangles are best near
-/// each other, as F is restricted to the box around them. Some four jets and values a triangle, 17
-/// where it is in doubt. Not promised: that none of the others is too far somewhere else.
+/// Of each of these triangles of the mesh that is too far, a point where it is. What is proven to be
+/// near is not looked at, nor what is as near to corners that are on the surface. Else it looks at
+/// the point where one with its corners on a sphere is farthest from it and at the middles of its
+/// edges; at more unless the surface is there where normals at the corners say that it is
+/// (told_heights.h), and that is near all over. Distances are those of find_foot(). The triangles
+/// are best near each other, as F is restricted to the box around them, and points of several
+/// triangles are looked at once. Some three jets a triangle; up to 17 and as many values where that
+/// leaves it in doubt. Not promised: that none of the others is too far somewhere else.
 std::vector<LostPoint> far_triangles(const ImplicitSurface& surface, const TriangleMesh& mesh,
                                      std::span<const std::size_t> triangles,
                                      const FarOptions& options);

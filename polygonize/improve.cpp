@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <numbers>
 #include <numeric>
+#include <optional>
 #include <unordered_set>
 #include <vector>
 
@@ -14,6 +17,7 @@
 #include "polygonize/sagitta.h"
 #include "polygonize/shape_operator.h"
 #include "polygonize/triangle_sample.h"
+#include "polygonize/triangle_set.h"
 #include "polygonize/triangle_shape.h"
 
 namespace cs2mesh {
@@ -45,14 +49,17 @@ class Improver {
 
   void run() {
     constexpr double kFew = 0.0002;  // of the triangles
-    for (int round = 0; round < options_.most_rounds && !cancelled(options_.progress); ++round) {
-      if (options_.progress != nullptr) {
-        options_.progress->report("improve", static_cast<double>(round) / options_.most_rounds);
+    const auto count = static_cast<double>(mesh_.mesh().triangles.size());
+    for (int round = 0; round < options_.most_rounds; ++round) {
+      propose_for_all_thin();
+      for (HalfEdge h = 0; h < 3 * mesh_.mesh().triangles.size(); ++h) {
+        if (mesh_.alive(triangle_of(h))) propose_collapse(h, kTurn);
       }
-      propose();
-      const std::size_t changed = carry_out();
-      const auto count = static_cast<double>(mesh_.mesh().triangles.size());
-      if (static_cast<double>(changed) < kFew * count) break;
+      if (static_cast<double>(carry_out(round)) < kFew * count) break;
+    }
+    for (int round = 0; round < options_.most_rounds; ++round) {
+      propose_for_all_thin();
+      if (carry_out(round) == 0) break;
     }
   }
   TriangleMesh take() { return mesh_.take(); }
@@ -98,9 +105,8 @@ class Improver {
 
   // ---- What could be better ----
 
-  /// Changes that look promising, no two of which touch the same vertex: what thin triangles need
-  /// first, then whatever makes fewer.
-  void propose() {
+  /// Changes that look promising, no two of which touch the same vertex: what thin triangles need.
+  void propose_for_all_thin() {
     proposals_.clear();
     made_.clear();
     touched_.assign(mesh_.mesh().positions.size(), false);
@@ -113,15 +119,15 @@ class Improver {
     for (std::size_t t = 0; t < count; ++t) {
       if (mesh_.alive(t) && angle_of(mesh_.mesh().triangles[t]) < sound_) propose_for_thin(t);
     }
-    for (HalfEdge h = 0; h < 3 * count; ++h) {
-      if (mesh_.alive(triangle_of(h))) propose_collapse(h);
-    }
   }
 
   void propose_for_thin(std::size_t triangle) {
     for (std::size_t k = 0; k < 3; ++k) {
-      const auto h = static_cast<HalfEdge>(3 * triangle + k);
-      if (propose_collapse(h) || propose_collapse(mesh_.opposite(h)) || propose_flip(h)) return;
+      const auto h = static_cast<HalfEdge>(3 * triangle + k), back = mesh_.opposite(h);
+      if (propose_collapse(h, least_turn(h)) || propose_collapse(back, least_turn(back)) ||
+          propose_flip(h)) {
+        return;
+      }
     }
     for (std::size_t k = 0; k < 3; ++k) {
       if (propose_move(static_cast<HalfEdge>(3 * triangle + k))) return;
@@ -135,7 +141,28 @@ class Improver {
     return 4 * ends + static_cast<std::uint64_t>(kind);
   }
 
-  bool propose_collapse(HalfEdge h) {
+  /// The cosine between triangles that replace those around the start of h and the surface: in a
+  /// groove, where normals at the corners of one are far apart, no worse than it was.
+  double least_turn(HalfEdge h) const {
+    double least = kTurn;
+    mesh_.for_ring(h, [&](HalfEdge turn) {
+      least = std::min(least, facing(mesh_.mesh().triangles[triangle_of(turn)]));
+    });
+    return least;
+  }
+  /// The least cosine between a triangle and the normals at its corners.
+  double facing(const Triangle& t) const {
+    const Vec3d area = area_of(t);
+    double least = 1.0;
+    for (const Index v : t) least = std::min(least, dot(area, normals_[v]) / norm(area));
+    return least;
+  }
+  Vec3d area_of(const Triangle& t) const {
+    return cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0]));
+  }
+
+  /// Takes out the start of h, so that triangles are of that cosine with the surface at least.
+  bool propose_collapse(HalfEdge h, double turn_least) {
     const Index a = start(h), b = end(h);
     if (touched_[a] || touched_[b] || refused(Kind::collapse, h)) return false;
     const HalfEdge back = mesh_.opposite(h);
@@ -148,7 +175,7 @@ class Improver {
       now = std::min(now, angle_of(old));
       if (turn == h || triangle_of(turn) == triangle_of(back)) return;
       const Triangle made{b, old[1], old[2]};
-      fits = !touched_[old[1]] && !touched_[old[2]] && follows(made);
+      fits = !touched_[old[1]] && !touched_[old[2]] && follows(made, turn_least, area_of(old));
       then = std::min(then, angle_of(made));
       made_.push_back(made);
     });
@@ -170,7 +197,13 @@ class Improver {
     const Triangle one{d, c, a}, other{c, d, b};
     const double now = std::min(angle_of({a, b, c}), angle_of({b, a, d}));
     const double then = std::min(angle_of(one), angle_of(other));
-    if (!(then > now) || !follows(one) || !follows(other) || !mesh_.can_flip(h)) return false;
+    if (!(then > now)) return false;
+    const Triangle here{a, b, c}, there{b, a, d};
+    const double least = std::min({kTurn, facing(here), facing(there)});
+    const Vec3d area = area_of(here) + area_of(there);
+    if (!follows(one, least, area) || !follows(other, least, area) || !mesh_.can_flip(h)) {
+      return false;
+    }
     const std::size_t first = made_.size();
     made_.push_back(one);
     made_.push_back(other);
@@ -178,39 +211,65 @@ class Improver {
     return true;
   }
 
-  /// Moves the start of h towards the mean of its neighbours.
+  /// Moves the start of h to the best of some places about it: on the way to the mean of its
+  /// neighbours, and all around.
   bool propose_move(HalfEdge h) {
     const Index v = start(h);
     if (touched_[v] || refused(Kind::move, h)) return false;
     Vec3d sum{};
-    double count = 0, now = sound_;
+    double count = 0, now = sound_, shortest = HUGE_VAL;
     bool free = true;
     mesh_.for_ring(h, [&](HalfEdge turn) {
+      const Vec3d way = position(end(turn)) - position(v);
       free = free && !touched_[end(turn)];
-      sum += position(end(turn)) - position(v);
+      sum += way;
       count += 1;
+      shortest = std::min(shortest, norm(way));
       now = std::min(now, angle_of({v, end(turn), end(next_in_triangle(turn))}));
     });
     if (!free) return false;
-    const std::size_t first = made_.size();
-    for (const double share : {0.8, 0.4, 0.2}) {
-      const Index place = add_place(v, (share / count) * sum);
+    const double least = least_turn(h);
+    std::optional<Vec3d> best;
+    for (const Vec3d& way : ways_from(v, sum / count, shortest)) {
+      const Index place = add_place(v, way);
       double then = sound_;
-      bool fits = true;
       mesh_.for_ring(h, [&](HalfEdge turn) {
-        made_.push_back({place, end(turn), end(next_in_triangle(turn))});
-        then = std::min(then, angle_of(made_.back()));
-        fits = fits && then > now && follows(made_.back());
+        if (!(then > now)) return;
+        const Index b = end(turn), c = end(next_in_triangle(turn));
+        const Triangle made{place, b, c};
+        then = follows(made, least, area_of({v, b, c})) ? std::min(then, angle_of(made)) : 0.0;
       });
-      if (fits && then > now) {
-        add(Kind::move, h, first);
-        proposals_.back().place = place;
-        return true;
+      if (then > now) {
+        now = then;
+        best = way;
       }
-      made_.resize(first);
       positions_.pop_back(), normals_.pop_back(), feet_.pop_back();
     }
-    return false;
+    if (!best) return false;
+    const Index place = add_place(v, *best);
+    const std::size_t first = made_.size();
+    mesh_.for_ring(h, [&](HalfEdge turn) {
+      made_.push_back({place, end(turn), end(next_in_triangle(turn))});
+    });
+    add(Kind::move, h, first);
+    proposals_.back().place = place;
+    return true;
+  }
+
+  /// Ways along the surface that a vertex may go by.
+  std::vector<Vec3d> ways_from(Index v, const Vec3d& to_mean, double shortest) const {
+    constexpr int kDirections = 12;
+    std::vector<Vec3d> ways;
+    for (const double share : {0.8, 0.4, 0.2}) ways.push_back(share * to_mean);
+    const Vec3d& n = normals_[v];
+    const Vec3d side = std::abs(n.x) < 0.6 ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+    const Vec3d u = normalized(cross(n, side)), w = cross(n, u);
+    for (int i = 0; i < kDirections; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kDirections;
+      const Vec3d direction = std::cos(angle) * u + std::sin(angle) * w;
+      for (const double share : {0.5, 0.25, 0.1}) ways.push_back(share * shortest * direction);
+    }
+    return ways;
   }
 
   /// Where a vertex would be that goes along the surface by the part of `way` that does, no farther
@@ -235,9 +294,14 @@ class Improver {
     }
   }
 
-  /// Whether a triangle faces the way of the surface at its corners, and could be near it.
-  bool follows(const Triangle& t) const {
+  /// Whether a triangle faces the way of the surface at its corners, by that cosine at least, and
+  /// could be near it. Where normals tell little, it is to face the way of what it replaces.
+  bool follows(const Triangle& t, double least, const Vec3d& replaced) const {
     const auto [a, b, c] = t;
+    if (least < kTurn) {
+      const Vec3d area = area_of(t);
+      return facing(t) >= least && dot(area, replaced) > kTurn * norm(area) * norm(replaced);
+    }
     if (!faces_normals(positions_, normals_, t, kTurn)) return false;
     const auto [low, high] = deviation_range(rise(a, b), rise(b, c), rise(c, a));
     return 0.5 * (high - low) <= kHopeless * options_.tolerance;
@@ -277,14 +341,19 @@ class Improver {
   // ---- What is ----
 
   /// Carries out the proposals none of whose triangles is too far; returns how many.
-  std::size_t carry_out() {
+  std::size_t carry_out(int round) {
+    if (cancelled(options_.progress)) return 0;
+    if (options_.progress != nullptr) {
+      options_.progress->report("improve", static_cast<double>(round) / options_.most_rounds);
+    }
     TriangleMesh proposed;
     proposed.positions = positions_;
     proposed.triangles = made_;
     std::vector<std::size_t> all(made_.size());
     std::iota(all.begin(), all.end(), std::size_t{0});
     std::vector<char> far(made_.size(), 0);
-    const FarOptions far_options{options_.tolerance, options_.small, 100 * options_.tolerance};
+    FarOptions far_options{options_.tolerance, options_.small, 100 * options_.tolerance};
+    if (surface_.has_cheap_hull_bounds()) far_options.directions = normals_;
     for_each_neighbourhood(all.size(), [&](std::size_t first, std::size_t last) {
       const auto some = std::span(all).subspan(first, last - first);
       for (const LostPoint& lost : far_triangles(surface_, proposed, some, far_options)) {
@@ -301,7 +370,13 @@ class Improver {
         ++statistics.refused;
       } else if (carry_out(proposal)) {
         ++changed;
-        if (proposal.kind == Kind::move) moved.push_back(start(proposal.edge));
+        if (proposal.kind == Kind::move) {
+          moved.push_back(start(proposal.edge));
+          continue;
+        }
+        for (std::size_t i = 0; i < proposal.count; ++i) {
+          statistics.near.push_back(triangle_key(proposed, proposal.first + i));
+        }
       }
     }
     bring_back(moved);

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "libfield/base/progress.h"
 #include "libfield/field/implicit_surface.h"
@@ -23,6 +25,9 @@ struct ImproveOptions {
 struct ImproveStatistics {
   std::size_t collapses = 0, flips = 0, moves = 0;
   std::size_t refused = 0;  ///< measured, and too far
+  /// The keys (triangle_set.h) of triangles that were made and are near as they were measured. Some
+  /// may be gone or have been moved since, and have other keys then.
+  std::vector<std::uint64_t> near;
 };
 
 /// `mesh` is closed, oriented and 2-manifold (else ContractViolation), without attributes, its
@@ -31,8 +36,8 @@ struct ImproveStatistics {
 /// measured to be farther than the tolerance, nor one with an angle below kThinAngle where all were
 /// better. The surface around a vertex that is taken out, as the normals tell it, is within the
 /// tolerance of the new triangles. Not promised: that the mesh does not cross itself afterwards,
-/// nor that no thin triangle is left. Deterministic for any number of threads. Some 20 jets for
-/// each triangle that is tried.
+/// nor that no thin triangle is left. Deterministic for any number of threads. Some three
+/// jets for each triangle that is tried, more where it is nearly too far.
 TriangleMesh improve(const ImplicitSurface& surface, TriangleMesh mesh,
                      const ImproveOptions& options, ImproveStatistics* statistics = nullptr);
 

@@ -51,18 +51,23 @@ std::vector<Vec3d> points_half_way(const ImplicitSurface& surface, const Surface
   }
   std::vector<Jet> jets(points.size());
   std::vector<Vec3d> found;
-  for (int step = 0; step < kSteps; ++step) {
+  for (int step = 0; step < kSteps && !points.empty(); ++step) {
+    jets.resize(points.size());
     leaf_jets(surface, tree, leaves, points, jets);
+    std::size_t kept = 0;
     for (std::size_t i = 0; i < points.size(); ++i) {
       const double slope = norm_of_any(jets[i].gradient);
       const double way = leveled(jets[i].value) / slope;
       const double side = tree.octree().side(tree.octree()[leaves[i]].level);
-      if (step + 1 == kSteps) {
-        if (std::abs(way) <= close) found.push_back(points[i]);
+      if (std::abs(way) <= close) {
+        found.push_back(points[i]);
       } else if (std::abs(way) <= side) {
-        points[i] += -way / slope * jets[i].gradient;
+        points[kept] = points[i] - way / slope * jets[i].gradient;
+        leaves[kept++] = leaves[i];
       }
     }
+    points.resize(kept);
+    leaves.resize(kept);
   }
   return found;
 }

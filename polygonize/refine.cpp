@@ -10,6 +10,7 @@
 #include "polygonize/far_triangles.h"
 #include "polygonize/fold.h"
 #include "polygonize/half_edges.h"
+#include "polygonize/near_proof.h"
 #include "polygonize/near_root.h"
 #include "polygonize/triangle_sample.h"
 
@@ -57,9 +58,14 @@ class Refiner {
       if (options_.progress != nullptr) {
         options_.progress->report("refine", static_cast<double>(round) / options_.most_rounds);
       }
+      const std::vector<LostPoint> far = find_far();
+      if (far.empty()) {
+        statistics.first_unseen = kNone;
+        return;
+      }
       opposite_ = opposite_half_edges(mesh_);
       split_.assign(opposite_.size(), 0);
-      mark_far_triangles();
+      mark(far);
       mark_longest_edges();
       place_middles();
       if (!divide()) {
@@ -90,10 +96,10 @@ class Refiner {
   std::vector<LostPoint> find_far(std::span<const std::size_t> triangles) const {
     std::vector<std::size_t> of_kind[2];
     for (const std::size_t t : triangles) of_kind[is_close(t) ? 1 : 0].push_back(t);
-    const FarOptions usual{options_.tolerance, options_.small, longest_way_};
+    const FarOptions usual{options_.tolerance, options_.small, longest_way_, ways_out_};
     std::vector<LostPoint> far = far_triangles(surface_, mesh_, of_kind[0], usual);
     if (of_kind[1].empty()) return far;
-    const FarOptions closer{options_.closer, options_.small, longest_way_};
+    const FarOptions closer{options_.closer, options_.small, longest_way_, ways_out_};
     const std::vector<LostPoint> more = far_triangles(surface_, mesh_, of_kind[1], closer);
     far.insert(far.end(), more.begin(), more.end());
     return far;
@@ -122,18 +128,25 @@ class Refiner {
     return fresh;
   }
 
-  void mark_far_triangles() {
+  /// Those of all triangles that are not known to be near.
+  std::vector<LostPoint> find_far() {
     const std::vector<std::size_t> fresh = triangles_to_look_at();
+    if (!fresh.empty() && surface_.has_cheap_hull_bounds()) ways_out_ = ways_out(mesh_);
     std::vector<std::vector<LostPoint>> far((fresh.size() + kNeighbours - 1) / kNeighbours);
     for_each_neighbourhood(fresh.size(), [&](std::size_t first, std::size_t last) {
       if (cancelled(options_.progress)) return;
       far[first / kNeighbours] = find_far(std::span(fresh).subspan(first, last - first));
     });
-    for (const auto& chunk : far) {
-      for (const LostPoint& lost : chunk) {
-        split_[longest_edge(lost.triangle)] = 1;
-        far_.emplace_back(mesh_.triangles[lost.triangle], lost);
-      }
+    std::vector<LostPoint> all;
+    for (const auto& chunk : far) all.insert(all.end(), chunk.begin(), chunk.end());
+    return all;
+  }
+
+  /// Marks the longest edge of each.
+  void mark(std::span<const LostPoint> far) {
+    for (const LostPoint& lost : far) {
+      split_[longest_edge(lost.triangle)] = 1;
+      far_.emplace_back(mesh_.triangles[lost.triangle], lost);
     }
   }
 
@@ -351,7 +364,8 @@ class Refiner {
   const ImplicitSurface& surface_;
   TriangleMesh mesh_;
   const RefineOptions& options_;
-  std::vector<bool> close_;  ///< by vertex; empty if none is
+  std::vector<Vec3d> ways_out_;  ///< by vertex; empty where proofs are dear
+  std::vector<bool> close_;      ///< by vertex; empty if none is
   std::vector<HalfEdge> opposite_;
   std::vector<char> split_;       ///< by edge, whether it is to be split
   std::vector<Index> middle_of_;  ///< by edge, the number of its new vertex or kNone

@@ -1,9 +1,9 @@
 // Local refinement of a mesh against its surface: edges are split where the mesh is too far away,
 // and the new vertices put on the surface.
 //
-// Each round looks at one point of every new triangle, where one with its corners on a sphere is
-// farthest from it, and at more where that is in doubt. The longest edge of each triangle that is
-// too far there is split, and with an edge the longest edge of each triangle at it (Rivara 1984),
+// Each round looks at every new triangle, as far_triangles() does: where bounds of F are cheap most
+// are proven to be near, of the others a few points tell. The longest edge of each triangle that is
+// too far is split, and with an edge the longest edge of each triangle at it (Rivara 1984),
 // which keeps angles from shrinking. An edge is split for both of its triangles, so the mesh stays
 // closed, oriented and 2-manifold.
 #pragma once
@@ -51,13 +51,14 @@ struct RefineStatistics {
   TriangleMesh::Index first_unseen = std::numeric_limits<TriangleMesh::Index>::max();
 };
 
-/// `mesh` is closed, oriented and manifold along its edges (else ContractViolation), without
+/// `mesh` is closed, oriented and manifold along its edges (else ContractViolation, as soon as
+/// anything is to be split), without
 /// attributes, its vertices near the surface. Vertices of it stay as they are; new ones lie on the
 /// surface to the rounding of F. Distances are those of the first order, |F| / |grad F|.
 ///
 /// Not promised: that every triangle is within the tolerance (it is measured at points, and
 /// rounds are limited), nor that no triangles intersect where the surface turns within an edge.
-/// About one jet a triangle and six a new vertex.
+/// About three jets a triangle, or one and a value where it is proven, and six a new vertex.
 TriangleMesh refine(const ImplicitSurface& surface, TriangleMesh mesh, const RefineOptions& options,
                     RefineStatistics* statistics = nullptr);
 

@@ -404,16 +404,57 @@ namespace {
 /// How far the surface may be from a point, in first-order distances.
 constexpr double kFarthest = 4.0;
 
+/// A point of the surface, and whether the field is much the same all the way there, so that none
+/// is nearer but by chance.
+struct NewtonFoot {
+  Vec3d point;
+  bool straight = false;
+};
+
+/// Whether the field at two points grows the same way, and in its logarithm about as fast.
+bool are_alike(const Jet& a, const Jet& b) {
+  constexpr double kTurn = 0.95, kGain = 1.5;  // a cosine, and a ratio
+  const auto slope = [](const Jet& jet) {
+    return norm_of_any(jet.gradient) / (jet.value > -1 ? 1 + jet.value : 1.0);
+  };
+  const double one = slope(a), other = slope(b);
+  return one < kGain * other && other < kGain * one &&
+         dot(a.gradient, b.gradient) > kTurn * norm_of_any(a.gradient) * norm_of_any(b.gradient);
+}
+
+/// Whether F keeps its sign sideways of the way from p to q, and half way between that and onwards,
+/// about as far from p: in a groove it does not.
+bool keeps_sign_beside(const ImplicitSurface& surface, const Vec3d& p, const Vec3d& q) {
+  constexpr double kShare = 0.95;
+  const Vec3d way = kShare * (q - p);
+  const double length = norm(way);
+  const Vec3d side = std::abs(way.x) < 0.6 * length ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
+  const Vec3d u = length * normalized(cross(way, side)), v = cross(way, u) / length;
+  std::array<Vec3d, 9> points{p};
+  std::size_t next = 1;
+  for (const Vec3d& beside : {u, -u, v, -v}) {
+    points[next++] = p + beside;
+    points[next++] = p + std::numbers::sqrt2 / 2 * (beside + way);
+  }
+  std::array<double, 9> values{};
+  surface.values(points, values);
+  return std::all_of(values.begin(), values.end(),
+                     [&](double value) { return inside(value) == inside(values[0]); });
+}
+
 /// A point of the surface near `p` by Newton's method along the gradient in the logarithm of the
 /// field, which is nearer to linear, if that converges within a few times `first`.
-std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p, double first) {
+std::optional<NewtonFoot> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
+                                      double first) {
   constexpr int kMostSteps = 20;
   constexpr double kConverged = 1e-3;  // of the distance
   const Aabb box = Aabb{p, p}.grown(kFarthest * first);
   const auto near = surface.restrict_to(box);
   Vec3d q = p;
+  Jet start;
   for (int i = 0; i < kMostSteps; ++i) {
     const Jet jet = near->jet(q);
+    if (i == 0) start = jet;
     const double slope = norm_of_any(jet.gradient);
     if (!(slope > 0)) return std::nullopt;
     const Vec3d step = (-leveled(jet.value) / slope) * (jet.gradient / slope);
@@ -421,7 +462,9 @@ std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
     const double distance = norm(q - p);
     if (!(distance <= kFarthest * first) || !box.contains(q)) return std::nullopt;
     // Where hardly any of the field is left its logarithm makes short steps, too.
-    if (first_order_distance(jet, HUGE_VAL) <= kConverged * distance) return q;
+    if (first_order_distance(jet, HUGE_VAL) <= kConverged * distance) {
+      return NewtonFoot{q, are_alike(start, jet) && keeps_sign_beside(*near, p, q)};
+    }
   }
   return std::nullopt;
 }
@@ -440,21 +483,21 @@ Vec3d between(const ImplicitSurface& surface, SignChange change) {
 }  // namespace
 
 Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order, double enough) {
-  const std::optional<Vec3d> straight = newton_foot(surface, p, first_order);
-  if (straight) {
-    const double distance = norm(*straight - p);
-    if (distance <= enough) return {*straight, distance};
+  const std::optional<NewtonFoot> found = newton_foot(surface, p, first_order);
+  if (found) {
+    const double distance = norm(found->point - p);
+    if (distance <= enough || found->straight) return {found->point, distance};
     const std::optional<SignChange> nearer = search_around(surface, p, distance);
-    if (!nearer) return {*straight, distance};
+    if (!nearer) return {found->point, distance};
     const Vec3d foot = between(surface, *nearer);
     return {foot, norm(foot - p)};
   }
   // Value and gradient may say far too much, as where hardly any of the field is left, or too
   // little, as within a groove of stiff blobs, where they tell of a sphere within the other.
   for (const double share : {kSearchSpan * kSearchSpan, kSearchSpan, 1.0, kFarthest}) {
-    const std::optional<SignChange> found = search_around(surface, p, share * first_order);
-    if (found) {
-      const Vec3d foot = between(surface, *found);
+    const std::optional<SignChange> change = search_around(surface, p, share * first_order);
+    if (change) {
+      const Vec3d foot = between(surface, *change);
       return {foot, norm(foot - p)};
     }
   }

@@ -60,6 +60,14 @@ std::vector<std::uint32_t> TriangleSet::others(const TriangleMesh& mesh) const {
   return found;
 }
 
+void TriangleSet::add(std::vector<std::uint64_t> keys) {
+  std::sort(keys.begin(), keys.end());
+  const auto old = static_cast<std::ptrdiff_t>(keys_.size());
+  keys_.insert(keys_.end(), keys.begin(), keys.end());
+  std::inplace_merge(keys_.begin(), keys_.begin() + old, keys_.end());
+  keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+}
+
 void TriangleSet::remove(std::vector<std::uint64_t> keys) {
   std::sort(keys.begin(), keys.end());
   std::erase_if(keys_, [next = keys.begin(), end = keys.end()](std::uint64_t key) mutable {

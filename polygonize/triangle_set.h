@@ -26,6 +26,8 @@ class TriangleSet {
   bool contains(std::uint64_t key) const;
   /// The numbers of the triangles of a mesh that are not in the set, in ascending order.
   std::vector<std::uint32_t> others(const TriangleMesh& mesh) const;
+  /// Keys may be in the set already. O(n + k log k).
+  void add(std::vector<std::uint64_t> keys);
   /// Keys that are not in the set do no harm. O(n + k log k).
   void remove(std::vector<std::uint64_t> keys);
 

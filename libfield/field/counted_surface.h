@@ -57,6 +57,7 @@ class CountedSurface final : public ImplicitSurface {
   HullBound hull_bound(std::span<const Vec3d> points,
                        std::span<const Vec3d> directions) const override;
   bool has_cheap_bounds() const override { return surface_->has_cheap_bounds(); }
+  bool has_cheap_hull_bounds() const override { return surface_->has_cheap_hull_bounds(); }
   double derivative_bound(int order, const Aabb& box) const override;
   Aabb bounds() const override { return surface_->bounds(); }
   std::unique_ptr<ImplicitSurface> restrict_to(const Aabb& box) const override;

@@ -13,6 +13,7 @@
 
 #include "libfield/field/far_field.h"
 #include "libfield/field/field_data.h"
+#include "libfield/field/log_hull.h"
 #include "libfield/field/log_sum.h"
 #include "libfield/field/near_sum.h"
 #include "libfield/field/term_bounds.h"
@@ -202,6 +203,7 @@ void choose_bounds(FieldData& data) {
   data.cheap_bounds =
       data.in_exponents || data.near_sums ||
       (count <= kFewTerms && all([](const Term& term) { return term.profiles.empty(); }));
+  data.cheap_hulls = data.plain_count == count && all(has_cheap_log_hull);
 }
 
 }  // namespace

@@ -59,6 +59,7 @@ struct FieldData {
   bool in_exponents = false;  ///< all terms have has_log_bounds()
   bool near_sums = false;     ///< small boxes are bounded by a NearSum
   bool cheap_bounds = false;  ///< as in has_cheap_bounds()
+  bool cheap_hulls = false;   ///< as in has_cheap_hull_bounds()
   bool positive = false;      ///< no term is subtracted
   BoxTree reach;              ///< where each plain term's influence exceeds its share of the budget
   BlockLattice lattice;

@@ -73,6 +73,9 @@ class ImplicitSurface {
   /// known.
   virtual double derivative_bound(int order, const Aabb& box) const = 0;
 
+  /// Whether hull_bound() costs no more than a few evaluations, and is about as tight as it can be
+  /// where one blob is near.
+  virtual bool has_cheap_hull_bounds() const { return false; }
   /// How far F or its logarithm may bend down, and how fast it grows along each of the directions,
   /// all over the convex hull of one to eight points.
   virtual HullBound hull_bound(std::span<const Vec3d> points,

@@ -77,6 +77,11 @@ bool has_log_hull(const Term& term) {
       term.kernel);
 }
 
+bool has_cheap_log_hull(const Term& term) {
+  return has_log_hull(term) && std::holds_alternative<Gaussian>(term.kernel) &&
+         std::holds_alternative<Point>(term.primitive) && !term.to_local;
+}
+
 LogHull::LogHull(std::span<const Vec3d> points, std::span<const Vec3d> directions)
     : points_(points), directions_(directions) {
   require(!points.empty() && points.size() <= kMostPoints, "LogHull: one to eight points");

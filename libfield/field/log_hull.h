@@ -27,6 +27,9 @@ namespace cs2mesh {
 /// positive everywhere, over points, segments, arcs or triangles.
 bool has_log_hull(const Term& term);
 
+/// Whether that costs tens of nanoseconds: a Gaussian over a point.
+bool has_cheap_log_hull(const Term& term);
+
 /// The exponents of some terms over a hull.
 class LogHull {
  public:

@@ -35,6 +35,7 @@ class Telltale final : public ImplicitSurface {
     return number_ + 6 + direction.z;
   }
   bool has_cheap_bounds() const override { return number_ > 0; }
+  bool has_cheap_hull_bounds() const override { return number_ > 0; }
   double derivative_bound(int order, const Aabb&) const override { return number_ + 7 + order; }
   Aabb bounds() const override { return {{0, 0, 0}, {number_, 1, 1}}; }
   std::unique_ptr<ImplicitSurface> restrict_to(const Aabb&) const override {
@@ -70,6 +71,7 @@ void expect_alike(const ImplicitSurface& a, const ImplicitSurface& b, std::size_
   EXPECT_EQ(a.least_slope(box, {0, 0, 2}), b.least_slope(box, {0, 0, 2}));
   EXPECT_EQ(a.derivative_bound(3, box), b.derivative_bound(3, box));
   EXPECT_EQ(a.has_cheap_bounds(), b.has_cheap_bounds());
+  EXPECT_EQ(a.has_cheap_hull_bounds(), b.has_cheap_hull_bounds());
   EXPECT_EQ(a.bounds().max, b.bounds().max);
 }
 

@@ -53,6 +53,46 @@ TEST(EditableMesh, ATetrahedronCannotBeFlipped) {
   EXPECT_EQ(mesh.mesh().triangles, tetrahedron.triangles);
 }
 
+TEST(EditableMesh, WhatWasPutIntoATriangleCanBeTakenOut) {
+  EditableMesh mesh(octahedron());
+  mesh.split_triangle(3, {0.2, 0.1, 0.3});
+  const auto added = static_cast<EditableMesh::Index>(mesh.mesh().positions.size() - 1);
+  HalfEdge from = 0;
+  while (start_of(mesh.mesh(), from) != added) ++from;
+  ASSERT_TRUE(mesh.can_collapse(from));
+  mesh.collapse_edge(from);
+  const TriangleMesh left = mesh.take();
+  EXPECT_EQ(left.triangles.size(), octahedron().triangles.size());
+  EXPECT_EQ(left.positions, octahedron().positions);
+  expect_manifold(EditableMesh(left));
+}
+
+TEST(EditableMesh, AnySequenceOfCollapsesKeepsTheManifold) {
+  Random random(8, 3);
+  EditableMesh mesh(octahedron());
+  int collapses = 0;
+  for (int i = 0; i < 2000; ++i) {
+    const auto h = static_cast<HalfEdge>(random.bits() % (3 * mesh.mesh().triangles.size()));
+    if (!mesh.alive(triangle_of(h))) continue;
+    if (i % 3 == 0) {
+      mesh.split_triangle(triangle_of(h), {random.uniform(), random.uniform(), random.uniform()});
+    } else if (mesh.can_collapse(h)) {
+      mesh.collapse_edge(h);
+      ++collapses;
+    }
+  }
+  EXPECT_GT(collapses, 50);
+  expect_manifold(EditableMesh(mesh.take()));
+}
+
+TEST(EditableMesh, ATetrahedronCannotBeCollapsed) {
+  TriangleMesh tetrahedron;
+  tetrahedron.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+  tetrahedron.triangles = {{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}};
+  const EditableMesh mesh(tetrahedron);
+  for (HalfEdge h = 0; h < 12; ++h) EXPECT_FALSE(mesh.can_collapse(h));
+}
+
 TEST(EditableMesh, AnySequenceKeepsTheManifold) {
   Random random(7, 7);
   EditableMesh mesh(octahedron());

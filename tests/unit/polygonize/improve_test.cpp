@@ -3,10 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "libfield/base/check.h"
 #include "polygonize/check.h"
+#include "polygonize/far_triangles.h"
 #include "polygonize/lattice_mesher.h"
 #include "polygonize/metrology.h"
+#include "polygonize/triangle_set.h"
 #include "tests/unit/polygonize/analytic_surfaces.h"
 
 namespace cs2mesh {
@@ -33,6 +37,27 @@ TEST(Improve, TakesOutWhatTheToleranceCanSpare) {
   const MeshReport before = check(*first);
   EXPECT_GT(before.shapes.thin, 50U);
   EXPECT_LT(report.shapes.thin, before.shapes.thin / 20);
+}
+
+TEST(Improve, TellsWhichTrianglesItMeasured) {
+  const Surface<Torus> torus;
+  LatticeOptions lattice;
+  lattice.cell = 0.1;
+  const double tolerance = 0.01;
+  ImproveStatistics log;
+  const TriangleMesh mesh = improve(torus, *mesh_lattice(torus, lattice), {tolerance}, &log);
+  std::sort(log.near.begin(), log.near.end());
+  std::vector<std::size_t> known;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    if (std::binary_search(log.near.begin(), log.near.end(), triangle_key(mesh, t))) {
+      known.push_back(t);
+    }
+  }
+  EXPECT_GT(known.size(), mesh.triangles.size() / 4);
+  // Measured once more they are near.
+  FarOptions options;
+  options.tolerance = tolerance;
+  EXPECT_TRUE(far_triangles(torus, mesh, known, options).empty());
 }
 
 TEST(Improve, LeavesAloneWhatItCannotMeasureToBeNear) {

@@ -46,6 +46,9 @@ TEST(TriangleSet, OthersAreThoseThatChanged) {
   set.remove({triangle_key(mesh, 7), triangle_key(mesh, 3), 12345, triangle_key(mesh, 7)});
   set.remove({triangle_key(mesh, 3)});
   EXPECT_EQ(set.others(mesh), (std::vector<std::uint32_t>{3, 7}));
+  set.add({triangle_key(mesh, 7), triangle_key(mesh, 9), 54321, 54321});
+  EXPECT_EQ(set.others(mesh), (std::vector<std::uint32_t>{3}));
+  EXPECT_TRUE(set.contains(54321));
   EXPECT_FALSE(set.empty());
   EXPECT_TRUE(TriangleSet().empty());
   EXPECT_EQ(TriangleSet().others(mesh).size(), mesh.triangles.size());
