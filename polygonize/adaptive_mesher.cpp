@@ -36,7 +36,10 @@ constexpr double kCloseLook = 2.5;
 /// Without proof, cells are between those of the lattice mesher and what the tolerance may ask for.
 SurfaceOctreeOptions octree_options(const MesherRequest& request, bool prove) {
   constexpr double kNeck = 1.0 / 64, kShare = 0.35, kLattice = 0.8;
+  constexpr std::size_t kManySlopes = 200'000;  // of two dozen elements, some five seconds
   SurfaceOctreeOptions options;
+  options.most_slopes = kManySlopes;
+  options.fair_side = kShare * request.tolerance;
   options.tolerance = request.tolerance;
   options.prove = prove;
   if (!prove) options.coarseness = kCloseLook;
@@ -68,13 +71,14 @@ class Adaptive {
     // Slits far below the smallest cell: better looked for than sampled by chance.
     constexpr double kMuch = 0.005;
     const double open = static_cast<double>(log_.open_leaves);
-    proven_ = provable_ && (request_.min_feature > 0 ||
-                            open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
+    proven_ = provable_ && !tree->gave_up() &&
+              (request_.min_feature > 0 ||
+               open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
     if (provable_ && !proven_) {
       lattice_.emplace(mesh_by_lattice(surface_, request_));
       if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
-      SurfaceOctreeOptions closer = octree_options(request_, true);
+      SurfaceOctreeOptions closer = octree_options(request_, provable_);
       closer.coarseness = kCloseLook;
       tree = SurfaceOctree::build(surface_, closer);
       if (!tree) return Result<MesherResult>::failure(tree.diagnostics());

@@ -20,11 +20,6 @@
 namespace cs2mesh {
 namespace {
 
-Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle) {
-  const auto& t = mesh.triangles[triangle];
-  return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0;
-}
-
 /// Puts triangles that reach into open cells in doubt; returns the cells that none reaches into.
 std::vector<Aabb> doubt_topology(const TriangleMesh& mesh, std::span<const Aabb> open,
                                  std::vector<Doubt>& doubts) {

@@ -322,10 +322,7 @@ void Checker::check_self_intersections() {
   if (!found) return;
   report_.self_intersections = found->count;
   for (const auto& pair : found->pairs) {
-    const auto& t = mesh_.triangles[pair[0]];
-    const Vec3d where =
-        (mesh_.positions[t[0]] + mesh_.positions[t[1]] + mesh_.positions[t[2]]) / 3.0;
-    add(DefectKind::self_intersection, where, {pair[0], pair[1]});
+    add(DefectKind::self_intersection, cs2mesh::centroid(mesh_, pair[0]), {pair[0], pair[1]});
   }
   report_.counts[static_cast<std::size_t>(DefectKind::self_intersection)] = found->count;
 }

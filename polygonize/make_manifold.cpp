@@ -1,9 +1,12 @@
 #include "polygonize/make_manifold.h"
 
-#include <tbb/parallel_sort.h>
+#include <tbb/blocked_range.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <compare>
 #include <limits>
+#include <numeric>
 #include <span>
 
 #include "polygonize/half_edges.h"
@@ -14,33 +17,44 @@ namespace {
 using Index = TriangleMesh::Index;
 constexpr HalfEdge kNone = std::numeric_limits<HalfEdge>::max();
 
-/// The same for both directions of an edge, and for no other.
-std::uint64_t edge_of(const TriangleMesh& mesh, HalfEdge h) {
-  const Index a = start_of(mesh, h), b = end_of(mesh, h);
-  return (std::uint64_t{std::min(a, b)} << 32) | std::max(a, b);
+Index lower_end(const TriangleMesh& mesh, HalfEdge h) {
+  return std::min(start_of(mesh, h), end_of(mesh, h));
+}
+Index upper_end(const TriangleMesh& mesh, HalfEdge h) {
+  return std::max(start_of(mesh, h), end_of(mesh, h));
+}
+bool on_one_edge(const TriangleMesh& mesh, HalfEdge g, HalfEdge h) {
+  return lower_end(mesh, g) == lower_end(mesh, h) && upper_end(mesh, g) == upper_end(mesh, h);
 }
 
 /// Half-edges by their lower vertex, then the other; those of one direction first.
 std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
+  const auto count = static_cast<HalfEdge>(3 * mesh.triangles.size());
+  std::vector<std::uint32_t> begin(mesh.positions.size() + 1, 0);
+  for (HalfEdge h = 0; h < count; ++h) ++begin[lower_end(mesh, h) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::uint32_t> place(begin.begin(), begin.end() - 1);
   struct Keyed {
-    std::uint64_t key;
+    Index upper;
+    bool down;
     HalfEdge half_edge;
+    auto operator<=>(const Keyed&) const = default;
   };
-  std::vector<Keyed> keyed;
-  keyed.reserve(3 * mesh.triangles.size());
-  for (HalfEdge h = 0; h < 3 * mesh.triangles.size(); ++h) {
-    keyed.push_back({edge_of(mesh, h), h});
+  std::vector<Keyed> keyed(count);
+  for (HalfEdge h = 0; h < count; ++h) {
+    const Index lower = lower_end(mesh, h);
+    keyed[place[lower]++] = {upper_end(mesh, h), start_of(mesh, h) != lower, h};
   }
-  const auto order = [&](const Keyed& x, const Keyed& y) {
-    if (x.key != y.key) return x.key < y.key;
-    const bool x_up = start_of(mesh, x.half_edge) < end_of(mesh, x.half_edge);
-    const bool y_up = start_of(mesh, y.half_edge) < end_of(mesh, y.half_edge);
-    return x_up != y_up ? x_up : x.half_edge < y.half_edge;
-  };
-  tbb::parallel_sort(keyed.begin(), keyed.end(), order);
-  std::vector<HalfEdge> sorted;
-  sorted.reserve(keyed.size());
-  for (const Keyed& k : keyed) sorted.push_back(k.half_edge);
+  std::vector<HalfEdge> sorted(count);
+  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, mesh.positions.size(), 4096),
+                    [&](const auto& range) {
+                      for (std::size_t v = range.begin(); v < range.end(); ++v) {
+                        std::sort(keyed.begin() + begin[v], keyed.begin() + begin[v + 1]);
+                        for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i) {
+                          sorted[i] = keyed[i].half_edge;
+                        }
+                      }
+                    });
   return sorted;
 }
 
@@ -55,8 +69,7 @@ class Separation {
     opposite_.assign(sorted.size(), kNone);
     for (std::size_t first = 0; first < sorted.size();) {
       std::size_t last = first;
-      const std::uint64_t edge = edge_of(mesh_, sorted[first]);
-      while (last < sorted.size() && edge_of(mesh_, sorted[last]) == edge) ++last;
+      while (last < sorted.size() && on_one_edge(mesh_, sorted[first], sorted[last])) ++last;
       const std::size_t pairs = (last - first) / 2;
       pair_edge(std::span(sorted).subspan(first, pairs),
                 std::span(sorted).subspan(first + pairs, pairs));

@@ -1,7 +1,5 @@
 #include "polygonize/mesh_blocks.h"
 
-#include <limits>
-
 namespace cs2mesh {
 namespace {
 
@@ -13,23 +11,24 @@ constexpr std::size_t kLeastSize = 4096, kMostBlocks = 64;
 
 MeshBlocks::MeshBlocks(const TriangleMesh& mesh)
     : mesh_(mesh),
-      size_(std::max(kLeastSize, (mesh.triangles.size() + kMostBlocks - 1) / kMostBlocks)),
-      depth_(mesh.positions.size(), Depth::deep) {
-  constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
-  std::vector<std::uint32_t> block_of(mesh.positions.size(), kNone);
+      size_(std::max(kLeastSize, (mesh.triangles.size() + kMostBlocks - 1) / kMostBlocks)) {
+  auto& [inner, deep] = reach_;
+  inner.resize(mesh.positions.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     if (is_gone(t)) continue;
-    const auto block = static_cast<std::uint32_t>(t / size_);
-    for (const TriangleMesh::Index v : mesh.triangles[t]) {
-      if (block_of[v] == kNone) block_of[v] = block;
-      if (block_of[v] != block) depth_[v] = Depth::border;
-    }
+    const auto block = static_cast<std::uint8_t>(t / size_);
+    for (const TriangleMesh::Index v : mesh.triangles[t]) inner[v].include({block, block});
   }
+  deep = inner;
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    if (is_gone(t) || is_within(t, Depth::inner)) continue;
-    for (const TriangleMesh::Index v : mesh.triangles[t]) {
-      depth_[v] = std::min(depth_[v], Depth::inner);
-    }
+    if (is_gone(t)) continue;
+    const auto& [a, b, c] = mesh.triangles[t];
+    Reach all = inner[a];
+    all.include(inner[b]);
+    all.include(inner[c]);
+    // Most are within one block, as are their neighbours: nothing to write then.
+    if (all.first == all.last) continue;
+    for (const TriangleMesh::Index v : {a, b, c}) deep[v].include(all);
   }
 }
 

@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -12,67 +13,103 @@
 
 namespace cs2mesh {
 
-/// How far within a block a vertex lies.
+/// Which triangles count when it is asked in which blocks a vertex is.
 enum class Depth : std::uint8_t {
-  border,  ///< it has triangles of several blocks
-  inner,   ///< all of its triangles are of one
-  deep,    ///< and all of those of its neighbours
+  inner,  ///< those of the vertex
+  deep,   ///< and those of its neighbours
 };
 
 /// Blocks are runs of triangles in their order, by the number of triangles alone, so that what is
-/// done does not depend on the number of threads. Triangles with equal first two corners are gone.
+/// done does not depend on the number of threads; groups are runs of blocks. Where neighbours in
+/// number are near each other in space (place_order.h), few triangles are between blocks. Triangles
+/// with equal first two corners are gone.
 class MeshBlocks {
  public:
+  static constexpr std::size_t kGroup = 8;  ///< blocks
+
+  /// From the first block to the last one that has triangles of a vertex.
+  struct Reach {
+    std::uint8_t first = 255, last = 0;
+
+    void include(const Reach& other) {
+      first = std::min(first, other.first);
+      last = std::max(last, other.last);
+    }
+    bool operator==(const Reach&) const = default;
+  };
+
   /// `mesh` outlives this. O(n).
   explicit MeshBlocks(const TriangleMesh& mesh);
 
+  std::size_t size() const { return size_; }  ///< triangles of a block
   std::size_t count() const { return (mesh_.triangles.size() + size_ - 1) / size_; }
-  Depth depth(TriangleMesh::Index vertex) const { return depth_[vertex]; }
+  /// Of a vertex with triangles.
+  const Reach& reach(Depth depth, TriangleMesh::Index vertex) const {
+    return reach_[static_cast<std::size_t>(depth)][vertex];
+  }
 
-  /// Calls f(t) once for each triangle that is not gone: first, block by block in parallel, for
-  /// those with all corners so deep when it is their turn, then for the others one by one, both in
-  /// ascending order.
+  /// Calls f(t) once for each triangle that is not gone when it is its turn: first, block by block
+  /// in parallel, for those whose corners are within the block as deep as that, then group by group
+  /// for those within the group, then for the others one by one, always in ascending order.
   ///
   /// At `inner`, f may move the corners of t and read all triangles at them. At `deep`, it may also
   /// collapse and flip the edges of t: triangles beside them stay within the block, and so do
   /// those of every vertex that they join.
   template <class F>
   void for_each_triangle(Depth depth, const F& f) const {
-    std::vector<std::vector<std::uint32_t>> left(count());
+    Numbers left(count());
     tbb::parallel_for(std::size_t{0}, left.size(), [&](std::size_t block) {
       const std::size_t last = std::min(size_ * (block + 1), mesh_.triangles.size());
       for (std::size_t t = size_ * block; t < last; ++t) {
-        if (is_gone(t)) continue;
-        if (is_within(t, depth)) {
-          turn_of(t, f);
-        } else {
-          left[block].push_back(static_cast<std::uint32_t>(t));
+        take_turn(t, depth, 1, left[block], f);
+      }
+    });
+    Numbers between((left.size() + kGroup - 1) / kGroup);
+    tbb::parallel_for(std::size_t{0}, between.size(), [&](std::size_t group) {
+      const std::size_t last = std::min(kGroup * (group + 1), left.size());
+      for (std::size_t block = kGroup * group; block < last; ++block) {
+        for (const std::uint32_t t : left[block]) {
+          take_turn(t, depth, kGroup, between[group], f);
         }
       }
     });
-    for (const auto& of_block : left) {
-      for (const std::uint32_t t : of_block) {
+    for (const auto& of_group : between) {
+      for (const std::uint32_t t : of_group) {
         if (!is_gone(t)) turn_of(t, f);
       }
     }
   }
 
  private:
+  using Numbers = std::vector<std::vector<std::uint32_t>>;
+
+  template <class F>
+  void take_turn(std::size_t t, Depth depth, std::size_t run, std::vector<std::uint32_t>& later,
+                 const F& f) const {
+    if (is_gone(t)) return;
+    if (is_within(t, depth, run)) {
+      turn_of(t, f);
+    } else {
+      later.push_back(static_cast<std::uint32_t>(t));
+    }
+  }
   /// One place in the code that calls f, so that all of it can be inlined there.
   template <class F>
   [[gnu::noinline]] static void turn_of(std::size_t t, const F& f) {
     f(t);
   }
   bool is_gone(std::size_t t) const { return mesh_.triangles[t][0] == mesh_.triangles[t][1]; }
-  bool is_within(std::size_t t, Depth depth) const {
+  /// Whether the corners of a triangle are within one of the runs of so many blocks.
+  bool is_within(std::size_t t, Depth depth, std::size_t run) const {
     const auto& corners = mesh_.triangles[t];
-    return std::all_of(corners.begin(), corners.end(),
-                       [&](TriangleMesh::Index v) { return depth_[v] >= depth; });
+    return std::all_of(corners.begin(), corners.end(), [&](TriangleMesh::Index v) {
+      return reach(depth, v).first / run == reach(depth, v).last / run;
+    });
   }
 
   const TriangleMesh& mesh_;
   std::size_t size_;
-  std::vector<Depth> depth_;  ///< by vertex
+  std::array<std::vector<Reach>, 2> reach_;  ///< by depth, then by vertex
 };
 
 }  // namespace cs2mesh

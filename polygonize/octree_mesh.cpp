@@ -1,12 +1,16 @@
 #include "polygonize/octree_mesh.h"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "polygonize/dual_surface.h"
 #include "polygonize/edge_root.h"
 #include "polygonize/make_manifold.h"
+#include "polygonize/place_order.h"
 #include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
@@ -90,23 +94,29 @@ OctreeMesh mesh_octree(const ImplicitSurface& surface, const SurfaceOctree& tree
 
   OctreeMesh result;
   result.evaluations = jets.size();
-  for (const DualSurface::Crossing& crossing : dual.crossings()) {
+  const auto crossings = dual.crossings();
+  result.mesh.positions.resize(crossings.size());
+  result.leaf_of.resize(crossings.size());
+  tbb::parallel_for(std::size_t{0}, crossings.size(), [&](std::size_t i) {
+    const DualSurface::Crossing& crossing = crossings[i];
     const Sample a = sample_in(tree, crossing.leaf);
-    if (crossing.middle != DualSurface::Crossing::kNone) {
-      const Sample b{middles[crossing.middle], &jets[crossing.middle]};
-      result.mesh.positions.push_back(crossing_between(a, b));
-      result.leaf_of.push_back(crossing.leaf);
-    } else {
-      result.mesh.positions.push_back(crossing_between(a, sample_in(tree, crossing.other)));
-      result.leaf_of.push_back(a.jet != nullptr ? crossing.leaf : crossing.other);
-    }
-  }
+    const bool at_middle = crossing.middle != DualSurface::Crossing::kNone;
+    const Sample b = at_middle ? Sample{middles[crossing.middle], &jets[crossing.middle]}
+                               : sample_in(tree, crossing.other);
+    result.mesh.positions[i] = crossing_between(a, b);
+    result.leaf_of[i] = at_middle || a.jet != nullptr ? crossing.leaf : crossing.other;
+  });
   find_bulges(tree, dual, result);
   std::vector<TriangleMesh::Index> beside;
   result.mesh.triangles = dual.triangulate(result.mesh.positions, beside);
   for (const TriangleMesh::Index v : beside) result.leaf_of.push_back(result.leaf_of[v]);
   beside = make_manifold(result.mesh);
   for (const TriangleMesh::Index v : beside) result.leaf_of.push_back(result.leaf_of[v]);
+  const std::vector<Octree::Index> leaf_of = std::move(result.leaf_of);
+  result.leaf_of.clear();
+  for (const TriangleMesh::Index v : sort_by_place(result.mesh)) {
+    result.leaf_of.push_back(leaf_of[v]);
+  }
   return result;
 }
 

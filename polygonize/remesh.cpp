@@ -534,6 +534,8 @@ class Remesher {
       std::atomic<bool> any = false;
       blocks.for_each_triangle(Depth::inner, [&](std::size_t triangle) {
         const auto& t = mesh_.mesh().triangles[triangle];
+        // One that none came back to is as good as the first round found it.
+        if (round > 0 && back[t[0]] + back[t[1]] + back[t[2]] == 0) return;
         if (!worse(t, points)) return;
         for (const Index v : t) {
           if (back[v] != 0) continue;

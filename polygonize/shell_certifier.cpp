@@ -7,7 +7,7 @@
 #include <cmath>
 #include <utility>
 
-#include "polygonize/morton.h"
+#include "polygonize/place_order.h"
 
 namespace cs2mesh {
 namespace {
@@ -30,29 +30,10 @@ constexpr double kSeemsNear = 0.93;
 
 constexpr char kOuter = 1, kInner = 2;
 
-Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle) {
-  const auto& t = mesh.triangles[triangle];
-  return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0;
-}
-
 double longest_side(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   const Vec3d &p = mesh.positions[a], &q = mesh.positions[b], &r = mesh.positions[c];
   return std::max({norm(p - q), norm(q - r), norm(r - p)});
-}
-
-/// All triangles, neighbours in number near each other in space.
-std::vector<std::uint32_t> by_place(const TriangleMesh& mesh) {
-  const Aabb all = bounds(mesh);
-  std::vector<std::pair<std::uint64_t, std::uint32_t>> coded(mesh.triangles.size());
-  for (std::size_t t = 0; t < coded.size(); ++t) {
-    coded[t] = {morton_code(all, centroid(mesh, t)), static_cast<std::uint32_t>(t)};
-  }
-  tbb::parallel_sort(coded.begin(), coded.end());
-  std::vector<std::uint32_t> order;
-  order.reserve(coded.size());
-  for (const auto& [code, t] : coded) order.push_back(t);
-  return order;
 }
 
 }  // namespace
@@ -165,7 +146,7 @@ void ShellCertifier::take_over(const TriangleMesh& mesh) {
   records_ = std::move(records);
   triangles_ = mesh.triangles;
   mesh_ = &mesh;
-  order_ = by_place(mesh);
+  order_ = triangles_by_place(mesh);
 }
 
 template <class F>

@@ -136,10 +136,33 @@ struct Grower {
   }
 };
 
+/// The direction in which F grows; zero where it is level.
+Vec3d way_up(const Jet& jet) {
+  const double slope = norm_of_any(jet.gradient);
+  return slope > 0 ? jet.gradient / slope : Vec3d{};
+}
+
+/// The direction in which F grows in the middle of a box, whose jet that is. Where it is level
+/// there, as beyond the edge of a finite support, the one in which it grows at the corners all
+/// together; zero where it is level at all of them.
+Vec3d way_up(const ImplicitSurface& surface, const Aabb& box, const Jet& middle) {
+  const Vec3d direction = way_up(middle);
+  if (direction != Vec3d{}) return direction;
+  std::array<Vec3d, 8> corners;
+  for (int i = 0; i < 8; ++i) corners[static_cast<std::size_t>(i)] = box.corner(i);
+  std::array<Jet, 8> jets;
+  surface.jets(corners, jets);
+  Vec3d sum{};
+  for (const Jet& jet : jets) sum += way_up(jet);
+  const double length = norm(sum);
+  return length > 0 ? sum / length : Vec3d{};
+}
+
 /// How much normals turn a length between the centre of one child and those of the others, or that
-/// of the parent.
+/// of the parent; nothing where one is not known.
 double turn_between(const Vec3d& normal, const Vec3d& at, const Vec3d& other_normal,
                     const Vec3d& other) {
+  if (normal == Vec3d{} || other_normal == Vec3d{}) return 0.0;
   return norm(normal - other_normal) / norm(at - other);
 }
 
@@ -208,29 +231,32 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
   const bool may_cut =
       side >= 2 * options.smallest && octree_[cell].level + 1 < Octree::kMostLevels;
   const Vec3d middle = octree_.center(cell);
-  const Vec3d parent_normal = normalized(jets_[cell].gradient);
+  const Vec3d parent_normal = way_up(*opened.surface, octree_.box(cell), jets_[cell]);
+  std::array<Vec3d, 8> normals{};
+  for (std::size_t i = 0; i < 8; ++i) {
+    const Child& child = opened.children[i];
+    if (child.kind != LeafKind::empty) normals[i] = way_up(*opened.surface, boxes[i], child.jet);
+  }
   for (std::size_t i = 0; i < 8; ++i) {
     Child& child = opened.children[i];
     if (child.kind == LeafKind::empty) continue;
-    const Vec3d normal = normalized(child.jet.gradient);
+    const Vec3d& normal = normals[i];
     const Vec3d at = boxes[i].center();
     double turn = turn_between(normal, at, parent_normal, middle);
     for (std::size_t j = 0; j < 8; ++j) {
-      const Child& other = opened.children[j];
-      if (j == i || other.kind == LeafKind::empty) continue;
-      turn = std::max(turn,
-                      turn_between(normal, at, normalized(other.jet.gradient), boxes[j].center()));
+      if (j != i) turn = std::max(turn, turn_between(normal, at, normals[j], boxes[j].center()));
     }
     const bool small = octree_[cell].level + 1 >= kLeastLevel && side <= options.largest &&
                        fits(side, turn, options);
     // Along its normal at the centre, so that the surface turns by less than a right angle from
     // there: triangles across a groove would be too hard to mend.
-    if (options.prove && (small || !may_cut)) {
+    const bool prove = options.prove && !gave_up_;
+    if (prove && (small || !may_cut)) {
       Grower grower{*opened.surface, normal};
       if (grower.grows_along(boxes[i])) child.kind = LeafKind::simple;
       opened.counts.slopes += grower.slopes;
     }
-    const bool done = !options.prove || child.kind == LeafKind::simple;
+    const bool done = !prove || child.kind == LeafKind::simple;
     child.cut = may_cut && !(small && done);
   }
 }
@@ -248,11 +274,17 @@ void SurfaceOctree::take(Index cell, const Opened& opened, std::vector<Index>& o
     const Index index = first + static_cast<Index>(i);
     octree_.set_inside(index, child.inside);
     kinds_.push_back(child.kind);
+    if (child.kind == LeafKind::simple) ++shown_simple_;
     jets_.push_back(child.jet);
     surface_of_.push_back(number);
     if (child.cut) open.push_back(index);
   }
   counts_ += opened.counts;
+}
+
+bool SurfaceOctree::proves_little() const {
+  constexpr std::size_t kMostEach = 8;
+  return counts_.slopes > std::max(options_.most_slopes, kMostEach * shown_simple_);
 }
 
 /// Cuts these leaves and what is to be cut of them; false if cancelled or too many.
@@ -266,6 +298,13 @@ bool SurfaceOctree::refine(std::vector<Index> cells, const SurfaceOctreeOptions&
     if (cancelled(options.progress)) return false;
     std::vector<Index> next;
     for (std::size_t i = 0; i < cells.size(); ++i) take(cells[i], opened[i], next);
+    if (proves_little()) {
+      gave_up_ = true;
+      options_.smallest = std::max(options_.smallest, options_.fair_side);
+      std::erase_if(next, [this](Index leaf) {
+        return octree_.side(octree_[leaf].level) < 2 * options_.smallest;
+      });
+    }
     cells = std::move(next);
   }
   return true;
@@ -355,7 +394,7 @@ bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
     one_simple =
         one_simple && kinds_[leaf] == LeafKind::simple && (largest == 0 || largest == leaf);
     leaves.include(octree_.box(leaf));
-    direction += normalized(jets_[leaf].gradient);
+    direction += way_up(surface_at(leaf), octree_.box(leaf), jets_[leaf]);
     if (largest == 0 || octree_[leaf].level < octree_[largest].level) largest = leaf;
   }
   if (one_simple) return true;
@@ -459,7 +498,7 @@ Result<Done> SurfaceOctree::settle(std::vector<Index> open, const SurfaceOctreeO
                           " cells; use a larger tolerance",
                       Failure::limit);
     }
-    open = options.prove ? crowded(first_new, options) : std::vector<Index>{};
+    open = options.prove && !gave_up_ ? crowded(first_new, options) : std::vector<Index>{};
     if (!open.empty()) continue;
     octree_.settle_sides();
     open = unclear(std::exchange(first_unclear, octree_.size()), options);

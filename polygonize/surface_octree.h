@@ -30,6 +30,11 @@ struct SurfaceOctreeOptions {
   /// A cell's side squared, times how much normals turn a length there, is at most so many
   /// tolerances: with 6, an equilateral triangle with such sides stays within the tolerance.
   double coarseness = 6.0;
+  /// Once more slopes were asked for than these, and more than eight for each leaf that was shown
+  /// simple, proofs fail more than they succeed: cells are not cut below `fair_side` any more,
+  /// times two, and what is not proven then is left open. `fair_side`: scene units, > 0.
+  std::size_t most_slopes = std::numeric_limits<std::size_t>::max();
+  double fair_side = std::numeric_limits<double>::infinity();
   std::size_t max_cells = 200'000'000;
   Progress* progress = nullptr;
 };
@@ -69,6 +74,8 @@ class SurfaceOctree {
 
   const Octree& octree() const { return octree_; }
   const Counts& counts() const { return counts_; }
+  /// Whether proofs took too many slopes: then nothing is known of dual cells.
+  bool gave_up() const { return gave_up_; }
   LeafKind kind(Index leaf) const { return kinds_[leaf]; }
   /// F at the centre of a leaf that is not empty.
   const Jet& jet(Index leaf) const { return jets_[leaf]; }
@@ -89,6 +96,7 @@ class SurfaceOctree {
   void clear_by_distance(Index cell, Opened& opened) const;
   void judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const;
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
+  bool proves_little() const;
   void take(Index cell, const Opened& opened, std::vector<Index>& open);
   std::vector<bool> with_leaves_from(std::size_t first) const;
   std::vector<Index> unclear(std::size_t first_new, const SurfaceOctreeOptions& options);
@@ -104,6 +112,8 @@ class SurfaceOctree {
   SurfaceOctreeOptions options_;
   Octree octree_;
   Counts counts_;
+  bool gave_up_ = false;
+  std::size_t shown_simple_ = 0;  ///< leaves, also those that were cut later
   std::vector<LeafKind> kinds_;
   std::vector<Jet> jets_;
   std::vector<std::uint32_t> surface_of_;

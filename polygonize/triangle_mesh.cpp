@@ -39,6 +39,11 @@ Aabb bounds(const TriangleMesh& mesh, std::size_t triangle) {
   return box;
 }
 
+Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle) {
+  const auto& t = mesh.triangles[triangle];
+  return (mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0;
+}
+
 Vec3d area_vector(const TriangleMesh& mesh, std::size_t triangle) {
   const auto& [a, b, c] = mesh.triangles[triangle];
   const Vec3d& origin = mesh.positions[a];

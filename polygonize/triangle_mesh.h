@@ -55,6 +55,7 @@ TriangleMesh joined(const Model& model);
 
 Aabb bounds(const TriangleMesh& mesh);
 Aabb bounds(const TriangleMesh& mesh, std::size_t triangle);
+Vec3d centroid(const TriangleMesh& mesh, std::size_t triangle);
 /// Half the cross product of two edges: the normal times the area.
 Vec3d area_vector(const TriangleMesh& mesh, std::size_t triangle);
 double area(const TriangleMesh& mesh);

@@ -4,10 +4,10 @@
 #include <atomic>
 #include <cstdint>
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "libfield/base/box_tree.h"
+#include "libfield/base/made_once.h"
 #include "libfield/field/compile.h"
 #include "libfield/field/implicit_surface.h"
 #include "libfield/field/term.h"
@@ -100,8 +100,7 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   /// And one of the size of all terms that are subtracted, set before it.
   mutable std::atomic<double> subtracted_{0.0};
   /// And its terms for bounds in the exponent.
-  mutable std::once_flag log_terms_once_;
-  mutable std::unique_ptr<const LogTerms> log_terms_;
+  MadeOnce<LogTerms> log_terms_;
   std::vector<std::uint32_t> candidates_;
   /// What bounds over small boxes need of the restriction; null where they are not cheap.
   std::shared_ptr<const LazyNearSum> near_sum_;

@@ -218,9 +218,7 @@ LogTerms Field::log_terms_in(const Aabb& box) const {
 template <class F>
 void Field::with_log_terms(const Aabb& box, const F& f) const {
   if (!restricted_ || !box_.contains(box)) return f(log_terms_in(box));
-  std::call_once(log_terms_once_,
-                 [this] { log_terms_ = std::make_unique<LogTerms>(log_terms_in(box_)); });
-  f(*log_terms_);
+  f(log_terms_.get([this] { return log_terms_in(box_); }));
 }
 
 void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const {

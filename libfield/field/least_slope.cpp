@@ -52,6 +52,7 @@ void SlopeProgram::add(const Term& term, const BatchBox& box, const Vec3d& direc
     const Pull own = pull(term, kernel, primitive, local, along, r);
     const bool fillable = term.sign > 0 && value.lo >= 0;
     if (fillable && own.rate > 0) {
+      slope_ -= own.lost;
       fillable_.push_back({value, own.rate});
       return;
     }

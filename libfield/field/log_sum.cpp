@@ -25,6 +25,16 @@ double farthest(const Aabb& box, const Aabb& other) {
   return both.diagonal();
 }
 
+/// A lower bound of the distance of a primitive from a box: of slanted ones their own boxes know
+/// little.
+double least_distance(const Term& term, const Aabb& box) {
+  const double of_box = box.distance(skeleton_box(term));
+  if (std::holds_alternative<Point>(term.primitive)) return of_box;
+  const double of_center =
+      std::visit([&](const auto& p) { return distance(p, box.center()); }, term.primitive);
+  return std::max(of_box, of_center * (1 - 1e-12) - 0.5 * box.diagonal() * (1 + 1e-12));
+}
+
 }  // namespace
 
 bool has_log_bounds(const Term& term) {
@@ -48,7 +58,7 @@ LogTerms::LogTerms(std::span<const Term> terms, std::span<const std::uint32_t> l
   for (const std::uint32_t index : list) {
     const Term& term = terms[index];
     const Aabb skeleton = skeleton_box(term);
-    const double most = magnitude_bound(term, box.distance(skeleton));
+    const double most = magnitude_bound(term, least_distance(term, box));
     if (most <= least) {
       // |grad phi| <= 2 a^2 times the distance of the farthest element.
       leave_out(most, bend_of(term) * farthest(box, skeleton));
@@ -110,7 +120,7 @@ void LogSum::add_others(const LogTerms& terms, const BatchBox& box) {
     Jet jet;
     accumulate(term, {&box.center, 1}, std::span<Jet>(&jet, 1));
     if (!(jet.value > kSmallest)) {
-      negligible_ += magnitude_bound(term, box.box.distance(skeleton_box(term)));
+      negligible_ += magnitude_bound(term, least_distance(term, box.box));
       continue;
     }
     rows_[ExponentRows::phi][place] = std::log(jet.value);

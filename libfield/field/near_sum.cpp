@@ -183,7 +183,8 @@ View view_of(const Term& term, const Sight& sight, const Jet& jet, const Vec3d* 
     }
     if (direction == nullptr) return view;
     const Pull own = pull(term, kernel, primitive, local, way, r);
-    view.rate = own.rate;
+    // The program here has no room for what is out of sight.
+    if (own.lost == 0.0) view.rate = own.rate;
     return view;
   });
 }

@@ -4,9 +4,12 @@
 // rate times the value.
 #pragma once
 
+#include <cmath>
 #include <limits>
+#include <optional>
 
 #include "libfield/field/box_view.h"
+#include "libfield/field/part_in_sight.h"
 
 namespace cs2mesh {
 
@@ -30,11 +33,42 @@ Interval steepness(const K& kernel, double near, double far) {
   return range;
 }
 
-/// What can be said of d . grad I by the places of the elements: at least `rate` I, and `slope`.
+/// What can be said of d . grad I by the places of the elements: at least `rate` I - lost, and
+/// `slope`.
 struct Pull {
   double rate = -std::numeric_limits<double>::infinity();
+  double lost = 0.0;
   double slope = -std::numeric_limits<double>::infinity();
 };
+
+/// A distance from which on all elements of that mass together are 0 or, of the Gaussian, no more
+/// than a little.
+template <class K>
+double sight(const K& kernel, double /*mass*/) {
+  return kernel.support();
+}
+inline double sight(const Gaussian& kernel, double mass) {
+  constexpr double kLittle = 1e-4;  // T
+  const double exponent = kernel.log_amplitude + std::log(mass / kLittle);
+  return std::sqrt(std::max(0.0, exponent)) / kernel.a;
+}
+
+/// By the elements in sight of the box alone, which lie ahead; nothing if they do not.
+template <class K, class P>
+std::optional<Pull> pull_in_sight(const K& kernel, const P& primitive, const LocalBox& local,
+                                  const Vec3d& direction, double slack, double steepest) {
+  const double mass = mass_bound(primitive), far = sight(kernel, mass);
+  if (!std::isfinite(far)) return std::nullopt;
+  const double ahead =
+      least_ahead(primitive, local.center, direction, (far + local.radius) * (1 + 1e-12)) - slack;
+  if (!(ahead > 0)) return std::nullopt;
+  Pull own{ahead * steepest * (1 - 1e-12), 0.0, 0.0};
+  if (std::isfinite(kernel.support())) return own;
+  const double beyond = norm(direction) * mass * kernel.derivative_envelope(1, far);
+  own.lost = (own.rate * mass * kernel.derivative_envelope(0, far) + beyond) * (1 + 1e-12);
+  own.slope = -beyond * (1 + 1e-12);
+  return own;
+}
 
 /// `direction` in local coordinates.
 template <class K, class P>
@@ -46,14 +80,17 @@ Pull pull(const Term& term, const K& kernel, const P& primitive, const LocalBox&
     if constexpr (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>) {
       if (!(reach.near > kernel.clamp)) return {};
     }
+    const double slack =
+        extent_along(term, direction, local.half) + 1e-12 * norm(direction) * reach.scale;
     // How far ahead all elements are at least: min over s of d . (s - p).
-    const double ahead = separation(primitive, local.center, -1.0 * direction) -
-                         extent_along(term, direction, local.half) -
-                         1e-12 * norm(direction) * reach.scale;
+    const double ahead = separation(primitive, local.center, -1.0 * direction) - slack;
     const double near = reach.near * reach.near, far = reach.far * reach.far;
     const Interval ratio = steepness(kernel, near, far);
-    if (ahead > 0) return {ahead * ratio.lo * (1 - 1e-12), 0.0};
-    return {ahead * ratio.hi * (1 + 1e-12),
+    if (ahead > 0) return {ahead * ratio.lo * (1 - 1e-12), 0.0, 0.0};
+    if (const auto own = pull_in_sight(kernel, primitive, local, direction, slack, ratio.lo)) {
+      return *own;
+    }
+    return {ahead * ratio.hi * (1 + 1e-12), 0.0,
             2 * ahead * mass_bound(primitive) * -kernel.slope(near) * (1 + 1e-12)};
   }
 }

@@ -87,9 +87,7 @@ using Uses = std::array<Use, kRatios>;
 Uses uses_of(const ImplicitSurface& surface, const TriangleMesh& mesh, double tolerance,
              bool balance) {
   std::vector<Vec3d> points;
-  for (const auto& t : mesh.triangles) {
-    points.push_back((mesh.positions[t[0]] + mesh.positions[t[1]] + mesh.positions[t[2]]) / 3.0);
-  }
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) points.push_back(centroid(mesh, t));
   std::vector<Jet2> jets(points.size());
   surface.second_jets(points, jets);
   std::array<double, kRatios> largest{};

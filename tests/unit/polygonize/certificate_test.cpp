@@ -74,8 +74,11 @@ TEST(Certificate, ProvesATorusOfAnyKernelWithoutAnEnd) {
   const Arc circle = make_arc({}, 1.0, {0, 0, 1}, 0, 360);
   for (const Kernel& kernel : {Kernel(Gaussian{6.0, 2.0}), Kernel(Cauchy{6.0, 20.0})}) {
     const Field surface({term_over(kernel, circle)}, 1e-9);
-    const TriangleMesh mesh = meshed(surface, 0.3, 0.02);
-    EXPECT_GT(certified(surface, mesh, 0.3, 0.024).share(), 0.999);
+    // From 0.019 on, triangles are so large that single ones cannot be told from folds.
+    for (const double tolerance : {0.018, 0.012}) {
+      const TriangleMesh mesh = meshed(surface, 0.3, tolerance);
+      EXPECT_EQ(certified(surface, mesh, 0.3, 1.2 * tolerance).share(), 1.0);
+    }
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include "polygonize/check.h"
 #include "polygonize/editable_mesh.h"
+#include "polygonize/place_order.h"
 #include "tests/unit/polygonize/mesh_test_tools.h"
 
 namespace cs2mesh {
@@ -28,34 +29,46 @@ TEST(MeshBlocks, EachTriangleHasItsTurnOnce) {
   }
 }
 
-TEST(MeshBlocks, DepthsAreWhatTheySay) {
-  const TriangleMesh mesh = test::bare_sphere({}, 1, 6);
+TEST(MeshBlocks, ReachesAreWhatTheySay) {
+  TriangleMesh mesh = test::bare_sphere({}, 1, 7);
+  sort_by_place(mesh);
   const MeshBlocks blocks(mesh);
-  ASSERT_GT(blocks.count(), 4U);
-  const std::size_t size = (mesh.triangles.size() + blocks.count() - 1) / blocks.count();
+  ASSERT_GT(blocks.count(), MeshBlocks::kGroup);
   std::vector<std::set<std::size_t>> of_vertex(mesh.positions.size());
   std::vector<std::set<Index>> neighbours(mesh.positions.size());
   for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
     for (const Index v : mesh.triangles[t]) {
-      of_vertex[v].insert(t / size);
+      of_vertex[v].insert(t / blocks.size());
       neighbours[v].insert(mesh.triangles[t].begin(), mesh.triangles[t].end());
     }
   }
-  std::size_t deep = 0;
+  const auto hull = [](const std::set<std::size_t>& some) {
+    return MeshBlocks::Reach{static_cast<std::uint8_t>(*some.begin()),
+                             static_cast<std::uint8_t>(*some.rbegin())};
+  };
+  std::size_t deep = 0, deep_in_group = 0;
   for (Index v = 0; v < mesh.positions.size(); ++v) {
-    EXPECT_EQ(blocks.depth(v) == Depth::border, of_vertex[v].size() > 1);
-    const bool all = std::all_of(neighbours[v].begin(), neighbours[v].end(),
-                                 [&](Index w) { return of_vertex[w].size() == 1; });
-    EXPECT_EQ(blocks.depth(v) == Depth::deep, all);
-    deep += all ? 1 : 0;
+    EXPECT_EQ(blocks.reach(Depth::inner, v), hull(of_vertex[v]));
+    std::set<std::size_t> around;
+    for (const Index w : neighbours[v]) around.insert(of_vertex[w].begin(), of_vertex[w].end());
+    const MeshBlocks::Reach reach = hull(around);
+    EXPECT_EQ(blocks.reach(Depth::deep, v), reach);
+    deep += around.size() == 1 ? 1 : 0;
+    deep_in_group += reach.first / MeshBlocks::kGroup == reach.last / MeshBlocks::kGroup ? 1 : 0;
   }
-  EXPECT_GT(deep, mesh.positions.size() / 2);
+  const auto share = [&](std::size_t count) {
+    return static_cast<double>(count) / static_cast<double>(mesh.positions.size());
+  };
+  EXPECT_GT(share(deep), 0.8);
+  EXPECT_GT(share(deep_in_group), 0.9);
 }
 
 /// Collapses and flips edges at random, in blocks.
 TriangleMesh changed(std::size_t threads) {
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-  EditableMesh mesh(test::bare_sphere({}, 1, 6));
+  TriangleMesh sphere = test::bare_sphere({}, 1, 6);
+  sort_by_place(sphere);
+  EditableMesh mesh(std::move(sphere));
   for (std::uint64_t sweep = 0; sweep < 4; ++sweep) {
     MeshBlocks(mesh.mesh()).for_each_triangle(Depth::deep, [&](std::size_t t) {
       Random random(sweep, t);

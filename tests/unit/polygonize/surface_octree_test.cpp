@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "libfield/base/check.h"
 #include "libfield/base/random.h"
 #include "libfield/field/compile.h"
@@ -85,6 +87,85 @@ TEST(SurfaceOctree, HeedsItsLimits) {
   EXPECT_EQ(tree.diagnostics().front().failure, Failure::limit);
   options.tolerance = 0;
   EXPECT_THROW((void)SurfaceOctree::build(sphere, options), ContractViolation);
+}
+
+/// One element of radius 1.
+Result<CompiledScene> stiff(KernelKind kernel, const Primitive& skeleton) {
+  Scene scene;
+  Material material;
+  material.name = "m";
+  material.kernel = kernel;
+  material.radius = 1.0;
+  material.blobbiness = -160;
+  scene.materials.push_back(material);
+  Element element;
+  element.skeleton = skeleton;
+  scene.elements.push_back(element);
+  return compile(scene);
+}
+
+std::size_t cells_of(const Result<CompiledScene>& compiled) {
+  SurfaceOctreeOptions options;
+  options.tolerance = 0.02;
+  options.smallest = 1.0 / 64 / 160;
+  const Result<SurfaceOctree> tree = SurfaceOctree::build(*compiled->parts[0].surface, options);
+  for (Octree::Index i = 0; i < tree->octree().size(); ++i) {
+    EXPECT_TRUE(!tree->octree().is_leaf(i) || tree->kind(i) != LeafKind::open);
+  }
+  return tree->octree().size();
+}
+
+// Half of the cells of such a surface have their middle where F is level; and F grows towards the
+// part of a ring that is in sight.
+TEST(SurfaceOctree, IsNoFinerForTheEdgesOfFiniteSupports) {
+  const Primitive ball = Point{{0, 0, 0}};
+  const Primitive ring = make_arc({0, 0, 0}, 2.2, {0.1, 0.2, 1}, 0, 360);
+  const std::size_t gaussian_ball = cells_of(stiff(KernelKind::gaussian, ball));
+  for (const KernelKind kind : {KernelKind::metaball, KernelKind::soft, KernelKind::quartic}) {
+    EXPECT_LT(cells_of(stiff(kind, ball)), 10 * gaussian_ball);
+    EXPECT_LT(cells_of(stiff(kind, ring)), 40 * gaussian_ball);
+  }
+}
+
+/// A ball of whose gradient nothing is known.
+class VagueBall final : public ImplicitSurface {
+ public:
+  void values(std::span<const Vec3d> points, std::span<double> out) const override {
+    ball_.values(points, out);
+  }
+  void jets(std::span<const Vec3d> points, std::span<Jet> out) const override {
+    ball_.jets(points, out);
+  }
+  Interval enclose(const Aabb& box) const override { return ball_.enclose(box); }
+  std::array<Interval, 3> enclose_gradient(const Aabb&) const override {
+    return {Interval::everything(), Interval::everything(), Interval::everything()};
+  }
+  double derivative_bound(int, const Aabb&) const override { return HUGE_VAL; }
+  Aabb bounds() const override { return ball_.bounds(); }
+  std::unique_ptr<ImplicitSurface> restrict_to(const Aabb&) const override {
+    return std::make_unique<VagueBall>();
+  }
+
+ private:
+  Surface<Sphere> ball_;
+};
+
+TEST(SurfaceOctree, GivesUpWhereProofsFail) {
+  const VagueBall ball;
+  SurfaceOctreeOptions options = fine(0.02);
+  options.fair_side = 0.1;
+  options.most_slopes = 1000;
+  const Result<SurfaceOctree> tree = SurfaceOctree::build(ball, options);
+  ASSERT_TRUE(tree);
+  EXPECT_TRUE(tree->gave_up());
+  const Octree& octree = tree->octree();
+  std::size_t open = 0;
+  for (Octree::Index i = 0; i < octree.size(); ++i) {
+    if (!octree.is_leaf(i)) continue;
+    EXPECT_GE(octree.side(octree[i].level), 0.25 * options.fair_side);
+    open += tree->kind(i) == LeafKind::open ? 1 : 0;
+  }
+  EXPECT_GT(open, 0U);
 }
 
 /// Stiff Gaussian balls of radius 1/2 at the corners of a cube; they all but touch.
