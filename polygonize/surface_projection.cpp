@@ -320,6 +320,17 @@ constexpr double kSearchSpan = 1.0 / 32;
 
 namespace {
 
+/// The points of a sphere about p that lie along axes and diagonals.
+std::vector<Vec3d> points_around(const Vec3d& p, double radius) {
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+    const double length = norm(d);
+    if (length > 0) points.push_back(p + (radius / length) * d);
+  }
+  return points;
+}
+
 /// The change of sign on the way from p to q, which lie on different sides.
 SignChange narrowed(const ImplicitSurface& surface, const Vec3d& p, const Vec3d& q, bool side) {
   constexpr int kHalvings = 8;
@@ -367,17 +378,11 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
   constexpr double kQuarterOctave = 1.189207115002721;
   const auto near = surface.restrict_to(Aabb{p, p}.grown(farthest * (1 + 1e-9)));
   const bool side = inside(near->value(p));
-  std::vector<Vec3d> points;
   std::vector<double> values;
   double radius = kSearchSpan * farthest;
   for (int sphere = 0; sphere < (closely ? kCloseSpheres : kSpheres); ++sphere) {
     if (sphere > 0) radius *= closely && sphere > kFirstHalf ? kQuarterOctave : std::numbers::sqrt2;
-    points.clear();
-    for (int i = 0; i < 27; ++i) {
-      const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
-      const double length = norm(d);
-      if (length > 0) points.push_back(p + (radius / length) * d);
-    }
+    const std::vector<Vec3d> points = points_around(p, radius);
     values.resize(points.size());
     near->values(points, values);
     std::optional<SignChange> nearest;
@@ -422,24 +427,15 @@ bool are_alike(const Jet& a, const Jet& b) {
          dot(a.gradient, b.gradient) > kTurn * norm_of_any(a.gradient) * norm_of_any(b.gradient);
 }
 
-/// Whether F keeps its sign sideways of the way from p to q, and half way between that and onwards,
-/// about as far from p: in a groove it does not.
-bool keeps_sign_beside(const ImplicitSurface& surface, const Vec3d& p, const Vec3d& q) {
-  constexpr double kShare = 0.95;
-  const Vec3d way = kShare * (q - p);
-  const double length = norm(way);
-  const Vec3d side = std::abs(way.x) < 0.6 * length ? Vec3d{1, 0, 0} : Vec3d{0, 1, 0};
-  const Vec3d u = length * normalized(cross(way, side)), v = cross(way, u) / length;
-  std::array<Vec3d, 9> points{p};
-  std::size_t next = 1;
-  for (const Vec3d& beside : {u, -u, v, -v}) {
-    points[next++] = p + beside;
-    points[next++] = p + std::numbers::sqrt2 / 2 * (beside + way);
-  }
-  std::array<double, 9> values{};
+/// Whether F keeps its sign about p, as far as the sphere is looked at that search_around() ends
+/// with: in a groove, or beside a crease, it does not.
+bool keeps_sign_around(const ImplicitSurface& surface, const Vec3d& p, double radius) {
+  const std::vector<Vec3d> points = points_around(p, radius);
+  std::vector<double> values(points.size());
   surface.values(points, values);
-  return std::all_of(values.begin(), values.end(),
-                     [&](double value) { return inside(value) == inside(values[0]); });
+  const bool side = inside(surface.value(p));
+  const auto other = [side](double value) { return inside(value) != side; };
+  return std::none_of(values.begin(), values.end(), other);
 }
 
 /// A point of the surface near `p` by Newton's method along the gradient in the logarithm of the
@@ -448,6 +444,7 @@ std::optional<NewtonFoot> newton_foot(const ImplicitSurface& surface, const Vec3
                                       double first) {
   constexpr int kMostSteps = 20;
   constexpr double kConverged = 1e-3;  // of the distance
+  constexpr double kWithin = 0.99;     // of the distance, so that the foot itself does not count
   const Aabb box = Aabb{p, p}.grown(kFarthest * first);
   const auto near = surface.restrict_to(box);
   Vec3d q = p;
@@ -463,7 +460,8 @@ std::optional<NewtonFoot> newton_foot(const ImplicitSurface& surface, const Vec3
     if (!(distance <= kFarthest * first) || !box.contains(q)) return std::nullopt;
     // Where hardly any of the field is left its logarithm makes short steps, too.
     if (first_order_distance(jet, HUGE_VAL) <= kConverged * distance) {
-      return NewtonFoot{q, are_alike(start, jet) && keeps_sign_beside(*near, p, q)};
+      return NewtonFoot{q,
+                        are_alike(start, jet) && keeps_sign_around(*near, p, kWithin * distance)};
     }
   }
   return std::nullopt;
