@@ -12,12 +12,6 @@ namespace cs2mesh {
 
 /// A cube lo < p <= hi of the target octree.
 struct FarField::Cell {
-  /// An element to be summed as so many points.
-  struct Distant {
-    std::uint32_t element;
-    int nodes;
-  };
-
   Vec3d lo, hi, center;
   double half = 0.0;
   int level = 0;
@@ -30,9 +24,12 @@ struct FarField::Cell {
   double error = 0.0;    ///< bound of that of the series, from the root on
   /// What is not in the series: nodes of the source tree, and elements.
   std::vector<std::uint32_t> nodes, elements;
-  std::size_t listed = 0;           ///< elements in all of them
-  std::vector<Distant> distant;     ///< of a leaf
-  std::vector<std::uint32_t> near;  ///< of a leaf
+  std::size_t listed = 0;  ///< elements in all of them
+  // Of a leaf, the elements in them: those that are points, segments to be summed as so many nodes
+  // (an entry of kFarNodes), and what is near.
+  std::vector<std::uint32_t> points;
+  std::array<std::vector<std::uint32_t>, kFarNodes.size()> segments;
+  std::vector<std::uint32_t> near;
   mutable std::array<std::atomic<Cell*>, 8> children{};
 
   Cell() = default;
@@ -48,6 +45,11 @@ struct FarField::Cell {
   bool holds(const Aabb& box) const { return holds(box.min) && holds(box.max); }
   int octant_of(const Vec3d& p) const {
     return (p.x > center.x ? 1 : 0) + (p.y > center.y ? 2 : 0) + (p.z > center.z ? 4 : 0);
+  }
+  /// Gives back what only a leaf needs.
+  void forget_shares() {
+    points = {}, near = {};
+    for (auto& some : segments) some = {};
   }
   /// Finds what is known of the series.
   void measure_series();

@@ -1,6 +1,7 @@
 #include "libfield/field/far_field.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <unordered_map>
 
@@ -14,8 +15,9 @@ namespace cs2mesh {
 namespace {
 
 /// A cell whose list is no longer is a leaf: about as many as are summed in the time that finer
-/// cells would take to set up.
-constexpr std::size_t kShortList = 700;
+/// cells would take to set up. No more of them may be near, which take ten times as long,
+/// nor points, whose cells take less time to set up.
+constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostPoints = 700;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
@@ -23,7 +25,7 @@ constexpr int kMostLevels = 20;
 /// serves many points and may cost much: it has a small part of what its parents have left. Those
 /// of the last levels, which are many, have a large one.
 constexpr std::size_t kLongList = 4000;
-constexpr double kEarlyPart = 1.0 / 16, kLatePart = 1.0 / 3;
+constexpr double kEarlyPart = 1.0 / 6, kLatePart = 1.0 / 3;
 /// A list shrinks from level to level, so that each source that leaves it may leave open more.
 constexpr double kShareGrowth = 3.0;
 
@@ -35,16 +37,26 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
   require(!tree_.elements().empty(), "a far field needs elements");
   require(error_budget > 0, "the error budget must be positive");
   kernel_ = terms[tree_.elements().front().term].kernel.index();
-  points_.reserve(tree_.elements().size());
-  for (const FarElement& element : tree_.elements()) {
-    const Term& term = terms[element.term];
-    points_.push_back(point_source(term.kernel, Point{element.a}, term.sign));
-  }
+  make_sources();
   for (std::size_t i = 0; i < kFarNodes.size(); ++i) {
     node_factor_[i] = node_factor(two_nu, kFarNodes[i]);
   }
   for (int j = 0; j < kTauOrders; ++j) remainders_.emplace_back(two_nu + 2 * j);
   root_ = make_root(domain);
+}
+
+void FarField::make_sources() {
+  const std::size_t count = tree_.elements().size();
+  segments_.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const FarElement& element = tree_.elements()[i];
+    const double weight = std::copysign(element.mass(), element.weight);
+    segments_.push_back({element.middle(), 0.5 * (element.b - element.a), weight, element.tau});
+    if (element.length > 0) continue;
+    points_.resize(count);
+    const Term& term = (*terms_)[element.term];
+    points_[i] = point_source(term.kernel, Point{element.a}, term.sign);
+  }
 }
 
 FarField::~FarField() = default;
@@ -75,9 +87,12 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
   // Where all is close together, smaller cells do not help; nor where a cell holds so little of
   // the surface that its points are summed before finer cells are set up.
   const bool stuck = cell.level > 4 && 5 * cell.listed > 4 * listed;
-  cell.leaf = cell.listed <= kShortList || cell.level == kMostLevels - 1 || stuck ||
-              (cell.listed <= kLongestList && holds_few(cell));
-  if (cell.leaf) sorter.finish(error_budget_ - cell.error);
+  cell.leaf =
+      cell.level == kMostLevels - 1 || stuck || (cell.listed <= kLongestList && holds_few(cell));
+  if (!cell.leaf && cell.listed > kShortList) return;
+  sorter.finish(error_budget_ - cell.error);
+  cell.leaf = cell.leaf || (cell.near.size() <= kMostNear && cell.points.size() <= kMostPoints);
+  if (!cell.leaf) cell.forget_shares();
 }
 
 bool FarField::holds_few(const Cell& cell) const {
@@ -150,17 +165,15 @@ void FarField::add_cell(const Cell* leaf, std::span<const Vec3d> points,
   const BulkTable& table = bulk_table();
   table.add_series<Out>()(cell.series.data(), cell.center, cell.half, points.data(), sums.data(),
                           points.size());
-  if (!cell.distant.empty()) {
-    std::vector<PointSource> places;
-    places.reserve(4 * cell.distant.size());
-    for (const Cell::Distant& distant : cell.distant) {
-      append_nodes(tree_.elements()[distant.element], points_[distant.element], distant.nodes,
-                   places);
-    }
-    std::vector<std::uint32_t> index(places.size());
-    std::iota(index.begin(), index.end(), 0U);
-    table.point_row<Out>()[kernel_](places.data(), index.data(), places.size(), points.data(),
-                                    sums.data(), points.size());
+  if (!cell.points.empty()) {
+    table.point_row<Out>()[kernel_](points_.data(), cell.points.data(), cell.points.size(),
+                                    points.data(), sums.data(), points.size());
+  }
+  for (std::size_t which = 0; which < kFarNodes.size(); ++which) {
+    const std::vector<std::uint32_t>& segments = cell.segments[which];
+    if (segments.empty()) continue;
+    table.add_segments<Out>()(two_nu_, which, segments_.data(), segments.data(), segments.size(),
+                              points.data(), sums.data(), points.size());
   }
   for (const std::uint32_t element : cell.near) {
     accumulate((*terms_)[tree_.elements()[element].term], points, sums);

@@ -20,6 +20,7 @@
 #include "libfield/field/source_tree.h"
 #include "libfield/field/term_bounds.h"
 #include "libfield/integral/point_sum.h"
+#include "libfield/integral/segment_sum.h"
 
 namespace cs2mesh {
 
@@ -81,6 +82,7 @@ class FarField {
   std::size_t add_near_bounds(const Cell& cell, const BoxBatch& batch, double negligible,
                               std::span<SumBound> sums) const;
   void add_series(const Cell& cell, const BoxBatch& batch, std::span<SumBound> sums) const;
+  void make_sources();
   std::unique_ptr<Cell> make_root(const Aabb& domain) const;
   std::unique_ptr<Cell> make_child(const Cell& parent, int octant) const;
   const Cell& child(const Cell& parent, int octant) const;
@@ -93,8 +95,9 @@ class FarField {
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;
-  std::array<double, 4> node_factor_{};  ///< of the error of so many nodes
-  std::vector<PointSource> points_;      ///< each element's law, as of a point of length 1
+  std::array<double, kFarNodes.size()> node_factor_{};  ///< of the error of so many nodes
+  std::vector<SegmentSource> segments_;                 ///< the elements, points among them
+  std::vector<PointSource> points_;  ///< those that are points, by element; empty without any
   std::unique_ptr<Cell> root_;
 };
 

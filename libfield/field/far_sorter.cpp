@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "libfield/field/far_nodes.h"
 #include "libfield/integral/bulk.h"
 
 namespace cs2mesh {
@@ -12,6 +11,13 @@ namespace {
 
 /// Of the budget of a cell, for one source.
 constexpr double kGreatestShare = 1.0 / 32;
+/// No number of nodes will do for segments whose squared length, relative to their distance, is
+/// greater.
+constexpr double kLongest2 = 4.0;
+/// Elements of a node look alike where its radius is at most this part of the distance.
+constexpr double kAlike = 1.0 / 16;
+/// So few elements that none of them reaches the cell are looked at again by its children.
+constexpr std::uint32_t kFewElements = 16;
 
 /// |d_x| + |d_y| + |d_z|.
 double sum_of_sizes(const Vec3d& d) {
@@ -26,12 +32,7 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
   // What each may leave open is guessed; where the sum is too much, each has to do better.
   double each = budget * std::min(guess, kGreatestShare);
   for (;;) {
-    for (ByOrder& by_order : clusters_) {
-      for (auto& sources : by_order) sources.clear();
-    }
-    for (auto& sources : single_) sources.clear();
-    cell_.nodes.clear(), cell_.elements.clear();
-    error_ = 0.0;
+    clear();
     for (const std::uint32_t node : nodes) sort_node(node, each);
     for (const std::uint32_t element : elements) sort_element(element, each);
     if (error_ <= budget) break;
@@ -44,14 +45,33 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
   return error_;
 }
 
+void FarField::Sorter::clear() {
+  for (ByOrder& by_order : clusters_) {
+    for (auto& sources : by_order) sources.clear();
+  }
+  for (ByRule& by_rule : single_) {
+    for (auto& elements : by_rule) elements.clear();
+  }
+  cell_.nodes.clear(), cell_.elements.clear();
+  error_ = 0.0;
+}
+
 void FarField::Sorter::sum_up() {
-  const auto add = bulk_table().add_sources;
+  const BulkTable& table = bulk_table();
   for (std::size_t i = 0; i < kFarOrders.size(); ++i) {
     for (std::size_t j = 0; j < clusters_.size(); ++j) {
-      add(field_.two_nu_ + 2.0 * static_cast<double>(j), kFarOrders[i], clusters_[j][i].data(),
-          clusters_[j][i].size(), cell_.series.data());
+      table.add_sources(field_.two_nu_ + 2.0 * static_cast<double>(j), kFarOrders[i],
+                        clusters_[j][i].data(), clusters_[j][i].size(), cell_.series.data());
     }
-    add(field_.two_nu_, kFarOrders[i], single_[i].data(), single_[i].size(), cell_.series.data());
+    NodeLists lists;
+    bool any = false;
+    for (std::size_t rule = 0; rule < lists.size(); ++rule) {
+      lists[rule] = single_[i][rule];
+      any = any || !lists[rule].empty();
+    }
+    if (!any) continue;
+    table.add_nodes(field_.two_nu_, kFarOrders[i], {cell_.center, cell_.half},
+                    field_.segments_.data(), lists, cell_.series.data());
   }
 }
 
@@ -61,16 +81,19 @@ void FarField::Sorter::finish(double budget) {
   std::sort(all.begin(), all.end());
   double each = budget / 16;
   for (;;) {
-    cell_.near.clear(), cell_.distant.clear();
+    cell_.near.clear(), cell_.points.clear();
+    for (auto& segments : cell_.segments) segments.clear();
     error_ = 0.0;
     for (const std::uint32_t element : all) {
       const FarElement& shape = field_.tree_.elements()[element];
-      const int nodes = nodes_for(shape, distance(shape, cell_.center), each);
-      if (nodes > 0) {
-        cell_.distant.push_back({element, nodes});
-      } else {
-        cell_.near.push_back(element);
+      if (!(shape.length > 0)) {
+        cell_.points.push_back(element);
+        continue;
       }
+      const double s = nearest2(distance(shape, cell_.center), shape.tau);
+      const auto nodes = nodes_for(shape.length, shape.mass(), s, kFarNodes.size(), each);
+      (nodes ? cell_.segments[nodes->entry] : cell_.near).push_back(element);
+      error_ += nodes ? nodes->error : 0.0;
     }
     if (error_ <= budget) return;
     each *= std::min(0.7, 0.9 * budget / error_);
@@ -79,18 +102,60 @@ void FarField::Sorter::finish(double budget) {
 
 void FarField::Sorter::sort_node(std::uint32_t index, double each) {
   const SourceNode& node = field_.tree_.node(index);
-  const Vec3d d = cell_.center - node.center;
-  const double s = squared_norm(d) + node.tau;
-  const double q = (node.radius + cell_.radius()) / std::sqrt(s);
-  if (q < 1.0 && take_cluster(index, d, s, q, each)) return;
-  if (node.radius < 0.5 * cell_.radius()) {
-    cell_.nodes.push_back(index);  // a child may find it far
+  if (field_.tree_.has_moments(index)) {
+    const Vec3d d = cell_.center - node.center;
+    const double s = squared_norm(d) + node.tau;
+    const double q = (node.radius + cell_.radius()) / std::sqrt(s);
+    if (q < 1.0 && take_cluster(index, d, s, q, each)) return;
+    if (node.radius < 0.5 * cell_.radius()) {
+      cell_.nodes.push_back(index);  // a child may find it far
+      return;
+    }
+  }
+  const bool few = node.right == 0 || !field_.tree_.has_moments(node.right);
+  const Reach reach = few ? take_elements(index, each) : Reach::mixed;
+  if (reach == Reach::far) return;
+  if (reach == Reach::near && node.count <= kFewElements) {
+    cell_.nodes.push_back(index);
   } else if (node.right != 0) {
     sort_node(index + 1, each);
     sort_node(node.right, each);
   } else {
     for (std::uint32_t i = 0; i < node.count; ++i) sort_element(node.first + i, each);
   }
+}
+
+/// Takes all elements of a node, if they look alike from the cell and the error of each can be had
+/// under `each`. `near` if that of none can.
+FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, double each) {
+  const SourceNode& node = field_.tree_.node(index);
+  const Vec3d d = cell_.center - node.center;
+  const double apart = norm(d), r = cell_.radius();
+  const double l1 = sum_of_sizes(d);
+  const double farthest = apart + node.radius;
+  const double s_far = farthest * farthest + node.tau + node.tau_spread;
+  const FarRemainders& remainders = field_.remainders_[0];
+  const double lightest = node.mass / node.count * inverse_power(field_.two_nu_, s_far);
+  const double most = 0.5 * each;
+  const double c_far = corner_share(l1, s_far, 0.0);
+  if (lightest * remainders.lowest_order(r * r / s_far, c_far, most / lightest).error > most) {
+    return Reach::near;
+  }
+  if (node.radius > kAlike * apart) return Reach::mixed;
+  const double nearest = apart - node.radius;
+  const double s = nearest * nearest + node.least_tau;
+  const double power = inverse_power(field_.two_nu_, s);
+  const double c = corner_share(l1 + 1.7320508075688774 * node.radius, s, 0.0);
+  const Truncation cut = remainders.lowest_order(r * r / s, c, most / (node.heaviest * power));
+  if (!(node.heaviest * power * cut.error <= most)) return Reach::mixed;
+  const auto nodes = nodes_for(node.longest, node.heaviest, nearest2(nearest, node.least_tau),
+                               kNodeRules.size() - 1, most);
+  if (!nodes) return Reach::mixed;
+  for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
+    take_element(i, cut.order, nodes->entry);
+  }
+  error_ += node.mass * (power * cut.error + nodes->error / node.heaviest);
+  return Reach::far;
 }
 
 /// c of far_remainders.h: for x in the cell, moved by up to `radius`, |d.x| / sqrt(S) relative to
@@ -158,44 +223,48 @@ void FarField::Sorter::sort_element(std::uint32_t index, double each) {
   const double c = corner_share(l1, s, 0.0);
   const Truncation cut = field_.remainders_[0].lowest_order(q2, c, 0.5 * each / size);
   const double error = size * cut.error;
-  const int nodes = error <= 0.5 * each ? nodes_for(element, d, 0.5 * each) : 0;
-  if (nodes == 0) {
+  std::optional<Choice> nodes;
+  if (error <= 0.5 * each) {
+    nodes = nodes_for(element.length, element.mass(), nearest2(d, element.tau),
+                      kNodeRules.size() - 1, 0.5 * each);
+  }
+  if (!nodes) {
     cell_.elements.push_back(index);
     return;
   }
-  error_ += error;
-  places_.clear();
-  PointSource unit;
-  unit.position = element.a;
-  unit.gain = 1.0;
-  append_nodes(element, unit, nodes, places_);
-  for (const PointSource& place : places_) {
-    const Vec3d from = cell_.center - place.position;
-    const double at = squared_norm(from) + element.tau;
-    add_source(single_[cut.order], from, at,
-               element.weight * place.gain * inverse_power(field_.two_nu_, at), nullptr, 1.0);
-  }
+  error_ += error + nodes->error;
+  take_element(index, cut.order, nodes->entry);
 }
 
-/// As how many points an element at distance d from the centre may be summed in this cell; 0 if
-/// only itself will do.
-int FarField::Sorter::nodes_for(const FarElement& element, double d, double each) {
-  if (!(element.length > 0)) return 1;
+/// By an entry of kFarNodes, if it is a segment.
+void FarField::Sorter::take_element(std::uint32_t index, std::size_t order, std::size_t nodes) {
+  const bool segment = field_.tree_.elements()[index].length > 0;
+  single_[order][segment ? nodes + 1 : 0].push_back(index);
+}
+
+/// <= |x - q|^2 + tau for x in the cell and q at distance d or more from its centre.
+double FarField::Sorter::nearest2(double d, double tau) const {
   const double nearest = std::max(0.0, d - cell_.radius());
-  const double s = nearest * nearest + element.tau;
-  const double length2 = element.length * element.length;
-  if (length2 > s) return 0;
-  const double size = element.mass() * inverse_power(field_.two_nu_, s);
+  return nearest * nearest + tau;
+}
+
+/// As how few nodes (an entry of kFarNodes, of the first `rules`) a segment of that length and mass
+/// may be summed from squared distance s on; none if the error of no number is at most `most`.
+std::optional<FarField::Sorter::Choice> FarField::Sorter::nodes_for(double length, double mass,
+                                                                    double s, std::size_t rules,
+                                                                    double most) const {
+  if (!(length > 0)) return Choice{};
+  const double length2 = length * length;
+  if (length2 > kLongest2 * s) return std::nullopt;
+  const double size = mass * inverse_power(field_.two_nu_, s), ratio = length2 / s;
   double power = 1.0;
   int power_of = 0;
-  for (std::size_t i = 0; i < kFarNodes.size(); ++i) {
-    for (; power_of < kFarNodes[i]; ++power_of) power *= length2 / s;
+  for (std::size_t i = 0; i < rules; ++i) {
+    for (; power_of < kFarNodes[i]; ++power_of) power *= ratio;
     const double error = size * field_.node_factor_[i] * power;
-    if (error > each) continue;
-    error_ += error;
-    return kFarNodes[i];
+    if (error <= most) return Choice{i, error};
   }
-  return 0;
+  return std::nullopt;
 }
 
 void FarField::Sorter::add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s,

@@ -3,6 +3,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "libfield/field/far_cell.h"
@@ -26,23 +27,34 @@ class FarField::Sorter {
 
  private:
   using ByOrder = std::array<std::vector<SeriesSource>, kFarOrders.size()>;
+  using ByRule = std::array<std::vector<std::uint32_t>, kNodeRules.size()>;
 
+  void clear();
   void sort_node(std::uint32_t index, double each);
+  enum class Reach { far, mixed, near };
+  Reach take_elements(std::uint32_t index, double each);
   bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
   double corner_share(double l1, double s, double radius) const;
   double spread_remainder(double q, double spread) const;
   void sort_element(std::uint32_t index, double each);
-  int nodes_for(const FarElement& element, double d, double each);
+  /// An entry of an array, with a bound of the error that comes with it.
+  struct Choice {
+    std::size_t entry = 0;
+    double error = 0.0;
+  };
+  std::optional<Choice> nodes_for(double length, double mass, double s, std::size_t rules,
+                                  double most) const;
+  double nearest2(double d, double tau) const;
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
                   const double* moments, double size) const;
+  void take_element(std::uint32_t index, std::size_t order, std::size_t nodes);
   void sum_up();
 
   const FarField& field_;
   Cell& cell_;
   double error_ = 0.0;
   std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
-  ByOrder single_;
-  std::vector<PointSource> places_;
+  std::array<ByRule, kFarOrders.size()> single_;
 };
 
 }  // namespace cs2mesh

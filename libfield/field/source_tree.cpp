@@ -12,26 +12,29 @@
 namespace cs2mesh {
 namespace {
 
-/// A leaf this large holds about as many elements as a series has time to gather: halving it twice
-/// the memory and the time to set up, and no evaluation is faster.
-constexpr std::uint32_t kLeafSize = 128;
+/// A node this large has about as many elements as a series has time to gather: moments of its
+/// halves would be twice the memory and the time to set up, and no evaluation would be faster.
+constexpr std::uint32_t kFewestMoments = 128;
+/// Elements that are sorted together.
+constexpr std::uint32_t kLeafSize = 16;
 /// The halves of larger nodes are measured side by side.
 constexpr std::uint32_t kParallelSize = 2048;
 
-/// The weight and tau of a unit of length, or of a point.
+/// The weight and tau of a unit of length, or of a point; within the distance `clamp` it is
+/// another.
 struct FarLaw {
-  double two_nu, weight, tau;
+  double two_nu, weight, tau, clamp;
 };
 
 std::optional<FarLaw> law_of(const Kernel& kernel) {
   if (const auto* cauchy = std::get_if<Cauchy>(&kernel)) {
     const double tau = 1 / (cauchy->s * cauchy->s);
-    return FarLaw{4.0, cauchy->amplitude * tau * tau, tau};
+    return FarLaw{4.0, cauchy->amplitude * tau * tau, tau, 0.0};
   }
   if (const auto* inverse = std::get_if<Inverse>(&kernel))
-    return FarLaw{1.0, inverse->amplitude, 0};
+    return FarLaw{1.0, inverse->amplitude, 0, inverse->clamp};
   if (const auto* squared = std::get_if<Squared>(&kernel))
-    return FarLaw{2.0, squared->amplitude, 0};
+    return FarLaw{2.0, squared->amplitude, 0, squared->clamp};
   return std::nullopt;
 }
 
@@ -52,7 +55,8 @@ std::optional<FarElement> far_element(const Term& term, std::uint32_t index) {
   } else if (const auto* segment = std::get_if<Segment>(&term.primitive)) {
     element.a = segment->a, element.b = segment->b;
     element.length = std::get<SegmentFrame<double>>(term.frame).length;
-    if (!(element.length > 0)) return std::nullopt;
+    // Nodes stand for a segment from about its length on.
+    if (!(element.length > 2 * law->clamp)) return std::nullopt;
   } else {
     return std::nullopt;
   }
@@ -75,15 +79,20 @@ SourceTree::SourceTree(std::vector<FarElement> elements) : elements_(std::move(e
   if (elements_.empty()) return;
   nodes_.reserve(elements_.size() / 4 + 4);
   build(0, static_cast<std::uint32_t>(elements_.size()));
-  first_moments_.reserve(nodes_.size());
-  std::size_t sets = 0;
-  for (const SourceNode& node : nodes_) {
-    first_moments_.push_back(sets);
-    sets += node.tau_spread > 0 ? kTauOrders : 1;
-  }
+  first_moments_.resize(nodes_.size(), kNoMoments);
+  const std::size_t sets = number_moments(0, 0);
   // Written once, by measure(): there may be a hundred megabytes.
   moments_ = std::make_unique_for_overwrite<Series[]>(sets);
   measure(0);
+}
+
+/// Returns the number of moments up to those of this node and of all below it.
+std::size_t SourceTree::number_moments(std::uint32_t index, std::size_t first) {
+  const SourceNode& node = nodes_[index];
+  first_moments_[index] = first;
+  first += node.tau_spread > 0 ? kTauOrders : 1;
+  if (node.count <= kFewestMoments) return first;
+  return number_moments(node.right, number_moments(index + 1, first));
 }
 
 std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
@@ -99,6 +108,8 @@ std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
     node.box.include(element.box());
     middles.include(element.middle());
     node.mass += element.mass();
+    node.heaviest = std::max(node.heaviest, element.mass());
+    node.longest = std::max(node.longest, element.length);
     if (element.weight < 0) node.negative_mass += element.mass();
     node.least_tau = std::min(node.least_tau, element.tau);
     largest_tau = std::max(largest_tau, element.tau);
@@ -128,7 +139,7 @@ void SourceTree::measure(std::uint32_t index) {
   const std::span<Series> moments(moments_.get() + first_moments_[index],
                                   node.tau_spread > 0 ? kTauOrders : 1);
   for (Series& series : moments) series.fill(0.0);
-  if (node.right == 0) {
+  if (node.count <= kFewestMoments) {
     measure_leaf(node, moments);
   } else {
     if (node.count > kParallelSize) {

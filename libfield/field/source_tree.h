@@ -51,12 +51,13 @@ struct SourceNode {
   Vec3d center;
   double radius = 0.0;  ///< about the centre, rounded up
   double mass = 0.0;
-  double negative_mass = 0.0;          ///< the part of it that is subtracted
-  double least_tau = 0.0;              ///< of the elements
-  double tau = 0.0;                    ///< half way to the greatest
-  double tau_spread = 0.0;             ///< the greatest distance from there
-  std::uint32_t first = 0, count = 0;  ///< its elements
-  std::uint32_t right = 0;             ///< the child that is not the next node; 0 for a leaf
+  double negative_mass = 0.0;            ///< the part of it that is subtracted
+  double heaviest = 0.0, longest = 0.0;  ///< the greatest mass and length of an element
+  double least_tau = 0.0;                ///< of the elements
+  double tau = 0.0;                      ///< half way to the greatest
+  double tau_spread = 0.0;               ///< the greatest distance from there
+  std::uint32_t first = 0, count = 0;    ///< its elements
+  std::uint32_t right = 0;               ///< the child that is not the next node; 0 for a leaf
 };
 
 /// Immutable. Built in O(n log n); some 250 bytes an element, 500 where tau varies.
@@ -70,12 +71,19 @@ class SourceTree {
   const SourceNode& node(std::uint32_t index) const { return nodes_[index]; }
   /// sum w t^j int (-q)^k / k! dq over the elements of a node, q from its centre in units of its
   /// radius, t from its tau in units of its spread; j < kTauOrders, 0 alone if there is no spread.
+  /// The node must have moments.
   const double* moments(std::uint32_t node, int j) const {
     return moments_[first_moments_[node] + static_cast<std::size_t>(j)].data();
   }
 
+  /// Nodes of few elements have none.
+  bool has_moments(std::uint32_t node) const { return first_moments_[node] != kNoMoments; }
+
  private:
+  static constexpr std::size_t kNoMoments = SIZE_MAX;
+
   std::uint32_t build(std::uint32_t first, std::uint32_t count);
+  std::size_t number_moments(std::uint32_t node, std::size_t first);
   void measure(std::uint32_t node);
   void measure_leaf(const SourceNode& node, std::span<Series> moments) const;
   void take_over(const SourceNode& node, std::uint32_t child, std::span<Series> moments) const;

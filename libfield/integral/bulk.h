@@ -14,6 +14,7 @@
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/frames.h"
 #include "libfield/integral/point_sum.h"
+#include "libfield/integral/segment_sum.h"
 #include "libfield/primitive/plane.h"
 #include "libfield/profile/profile.h"
 #include "libfield/simd/isa.h"
@@ -72,6 +73,9 @@ struct BulkTable {
   PointRow<double> point_values;
   TriangleRow<Jet> triangle_jets;
   TriangleRow<double> triangle_values;
+  AddSegments<Jet> segment_jets;
+  AddSegments<double> segment_values;
+  AddNodes add_nodes;
   AddSources add_sources;
   AddMoments add_moments;
   AddSeries<Jet> series_jets;
@@ -83,6 +87,14 @@ struct BulkTable {
       return values;
     } else {
       return jets;
+    }
+  }
+  template <class Out>
+  AddSegments<Out> add_segments() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return segment_values;
+    } else {
+      return segment_jets;
     }
   }
   template <class Out>

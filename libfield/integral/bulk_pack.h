@@ -1,6 +1,8 @@
 // The entries of a BulkTable over packs of N; see bulk.h and the rules at the head of pack.h.
 #pragma once
 
+#include <utility>
+
 #include "libfield/integral/bulk.h"
 #include "libfield/integral/cauchy_arc.h"
 #include "libfield/integral/cauchy_segment.h"
@@ -13,6 +15,7 @@
 #include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_arc.h"
 #include "libfield/integral/metaball_triangle.h"
+#include "libfield/integral/place_tensors.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/squared_triangle.h"
 #include "libfield/integral/support_arc.h"
@@ -89,6 +92,39 @@ struct BulkPack {
              [&](const Vec3<T>& p) { return point_sum<K, T>(sources, index, source_count, p); });
   }
 
+  template <int TwoNu, int Nodes, class Out>
+  [[gnu::flatten]] static void add_as_nodes(const SegmentSource* sources,
+                                            const std::uint32_t* index, std::size_t source_count,
+                                            const Vec3d* points, Out* sums, std::size_t count) {
+    add_each(points, sums, count, [&](const Vec3<T>& p) {
+      return segment_sum<TwoNu, Nodes, T>(sources, index, source_count, p);
+    });
+  }
+  template <int TwoNu, class Out>
+  static void add_by_nodes(std::size_t which, const SegmentSource* sources,
+                           const std::uint32_t* index, std::size_t source_count,
+                           const Vec3d* points, Out* sums, std::size_t count) {
+    const auto add = [&]<std::size_t... I>(std::index_sequence<I...>) {
+      ((which == I ? add_as_nodes<TwoNu, kFarNodes[I], Out>(sources, index, source_count, points,
+                                                            sums, count)
+                   : void()),
+       ...);
+    };
+    add(std::make_index_sequence<kFarNodes.size()>{});
+  }
+  template <class Out>
+  static void add_segments(double two_nu, std::size_t which, const SegmentSource* sources,
+                           const std::uint32_t* index, std::size_t source_count,
+                           const Vec3d* points, Out* sums, std::size_t count) {
+    if (two_nu == 4.0) {
+      add_by_nodes<4>(which, sources, index, source_count, points, sums, count);
+    } else if (two_nu == 2.0) {
+      add_by_nodes<2>(which, sources, index, source_count, points, sums, count);
+    } else {
+      add_by_nodes<1>(which, sources, index, source_count, points, sums, count);
+    }
+  }
+
   template <class K, class Out>
   [[gnu::flatten]] static void try_triangle(const K& kernel, const TriangleFrame<double>& frame,
                                             double sign, const Vec3d* points, Out* sums,
@@ -104,13 +140,71 @@ struct BulkPack {
     });
   }
 
+  /// A segment a lane.
+  struct Segments {
+    Vec3<Pack<N>> middle, half;
+    Pack<N> weight, tau;
+
+    Segments(const SegmentSource* segments, const std::uint32_t* index, std::size_t count)
+        : weight(0.0), tau(1.0) {
+      for (std::size_t lane = 0; lane < N && lane < count; ++lane) {
+        const SegmentSource& segment = segments[index[lane]];
+        const int i = static_cast<int>(lane);
+        const Vec3d& m = segment.middle;
+        const Vec3d& h = segment.half;
+        middle.x.lane[i] = m.x, middle.y.lane[i] = m.y, middle.z.lane[i] = m.z;
+        half.x.lane[i] = h.x, half.y.lane[i] = h.y, half.z.lane[i] = h.z;
+        weight.lane[i] = segment.weight, tau.lane[i] = segment.tau;
+      }
+    }
+  };
+
+  template <int Order>
+  [[gnu::flatten]] static void add_nodes_to(double two_nu, const SeriesFrame& frame,
+                                            const SegmentSource* segments, const NodeLists& lists,
+                                            double* series) {
+    using P = Pack<N>;
+    PlaceTensors<N, Order> tensors;
+    const double inverse = 1.0 / frame.unit;
+    const double scale = two_nu == 4.0   ? inverse * inverse * inverse * inverse
+                         : two_nu == 2.0 ? inverse * inverse
+                                         : inverse;
+    const auto add = [&](const Segments& some, double along, double part) {
+      const P unit(inverse), t(along);
+      const Vec3<P> d{unit * (P(frame.center.x) - fma(t, some.half.x, some.middle.x)),
+                      unit * (P(frame.center.y) - fma(t, some.half.y, some.middle.y)),
+                      unit * (P(frame.center.z) - fma(t, some.half.z, some.middle.z))};
+      const P s = fma(d.x, d.x, fma(d.y, d.y, fma(d.z, d.z, unit * unit * some.tau)));
+      const P over = P(1) / s;
+      const P power = two_nu == 4.0 ? over * over : two_nu == 2.0 ? over : sqrt(over);
+      tensors.add(d, over, P(scale * part) * some.weight * power);
+    };
+    for (std::size_t which = 0; which < lists.size(); ++which) {
+      const std::span<const std::uint32_t> list = lists[which];
+      for (std::size_t first = 0; first < list.size(); first += N) {
+        const Segments some(segments, list.data() + first, list.size() - first);
+        const NodeRule& rule = kNodeRules[which];
+        for (std::size_t k = 0; k < rule.size; ++k) add(some, rule.along[k], rule.part[k]);
+      }
+    }
+    tensors.add_to(two_nu, series);
+  }
+  static void add_nodes(double two_nu, int order, const SeriesFrame& frame,
+                        const SegmentSource* segments, const NodeLists& lists, double* series) {
+    const auto add = [&]<int... I>(std::integer_sequence<int, I...>) {
+      ((order == 2 * I + 2 ? add_nodes_to<2 * I + 2>(two_nu, frame, segments, lists, series)
+                           : void()),
+       ...);
+    };
+    add(std::make_integer_sequence<int, kTaylorOrder / 2>{});
+  }
+
   /// A source a lane.
   [[gnu::flatten]] static void add_sources(double two_nu, int order, const SeriesSource* sources,
                                            std::size_t count, double* series) {
     using P = Pack<N>;
-    P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
     if (count == 0) return;
-    const bool spread = sources[0].moments != nullptr;
+    P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
     for (std::size_t first = 0; first < count; first += N) {
       Vec3<P> d;
       P s(1.0), weight(0.0);
@@ -121,10 +215,6 @@ struct BulkPack {
         s.lane[i] = source.s, weight.lane[i] = source.weight;
       }
       const auto add = [&](std::size_t place, const P& value) { sums[place] += value; };
-      if (!spread) {
-        kernel_series(two_nu, order, d, s, weight, add);
-        continue;
-      }
       kernel_series(two_nu, order, d, s, weight,
                     [&](std::size_t place, const P& value) { c[place] = value; });
       load_moments(order, sources + first, count - first, moments);
@@ -251,9 +341,10 @@ struct BulkPack {
             &try_triangle<Squared, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),    row<double>(),    weights<Jet>(),   weights<double>(),
-            points<Jet>(), points<double>(), triangles<Jet>(), triangles<double>(),
-            &add_sources,  &add_moments,     &add_series<Jet>, &add_series<double>};
+    return {row<Jet>(),         row<double>(),         weights<Jet>(),     weights<double>(),
+            points<Jet>(),      points<double>(),      triangles<Jet>(),   triangles<double>(),
+            &add_segments<Jet>, &add_segments<double>, &add_nodes,         &add_sources,
+            &add_moments,       &add_series<Jet>,      &add_series<double>};
   }
 };
 

@@ -2,25 +2,65 @@
 // field needs (see field/far_field.h, taylor_series.h).
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <span>
 
+#include "libfield/integral/segment_sum.h"
 #include "libfield/integral/taylor_series.h"
 
 namespace cs2mesh {
 
-/// A source as seen from the centre of a series, all lengths in the unit of the series.
+/// A cluster as seen from the centre of a series, all lengths in the unit of the series.
 struct SeriesSource {
   Vec3d d;            ///< from the source to the centre
   double s = 0;       ///< |d|^2 + tau
   double weight = 0;  ///< times S^-nu: the field at the centre, were all of it in one place
-  /// sum w (-q)^k / k! over the parts w at q (from the source's centre, in units of `size`);
-  /// null for a single place of weight 1.
+  /// sum w (-q)^k / k! over the parts w at q (from the source's centre, in units of `size`).
   const double* moments = nullptr;
   double size = 1;
 };
 
-/// Adds the series of the sources to `series`, up to that order. Either all of them have moments,
-/// or none.
+/// A rule for segments that go into a series: the nodes as parts of their halves, and of their
+/// weights.
+struct NodeRule {
+  std::size_t size = 1;
+  std::array<double, 8> along{}, part{1.0};
+
+  constexpr NodeRule() = default;
+  template <std::size_t Half>
+  constexpr NodeRule(const std::array<double, Half>& node, const std::array<double, Half>& weight)
+      : size(2 * Half) {
+    for (std::size_t i = 0; i < Half; ++i) {
+      along[2 * i] = node[i], along[2 * i + 1] = -node[i];
+      part[2 * i] = part[2 * i + 1] = 0.5 * weight[i];
+    }
+  }
+  template <int N>
+  constexpr explicit NodeRule(const GaussLegendreRule<N>& rule)
+      : NodeRule(rule.node, rule.weight) {}
+};
+
+/// The middle, for points; then the first of kFarNodes.
+inline constexpr std::array<NodeRule, 5> kNodeRules = {
+    NodeRule(), NodeRule(kGaussLegendre<2>), NodeRule(kGaussLegendre<4>),
+    NodeRule(kGaussLegendre<6>), NodeRule(kGaussLegendre<8>)};
+
+/// The indices of segments, by the entry of kNodeRules that each is taken by.
+using NodeLists = std::array<std::span<const std::uint32_t>, kNodeRules.size()>;
+
+/// The centre and the unit of a series.
+struct SeriesFrame {
+  Vec3d center;
+  double unit = 1.0;
+};
+
+/// Adds the series of the segments in each list up to that order, by their nodes.
+using AddNodes = void (*)(double two_nu, int order, const SeriesFrame& frame,
+                          const SegmentSource* segments, const NodeLists& lists, double* series);
+
+/// Adds the series of the sources to `series`, up to that order.
 using AddSources = void (*)(double two_nu, int order, const SeriesSource* sources,
                             std::size_t count, double* series);
 
