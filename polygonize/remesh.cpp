@@ -346,7 +346,9 @@ class Remesher {
     bool fits = dot(normals_[a], normals_[b]) > kTurn;
     double worst = 1.0, worst_now = 1.0;
     double angle = sound_, angle_now = sound_;
+    int neighbours = 0;
     mesh_.for_ring(h, [&](HalfEdge turn) {
+      ++neighbours;
       if (!fits) return;
       const Index c = end(turn), d = end(next_in_triangle(turn));
       worst_now = std::min(worst_now, quality(a, c, d));
@@ -356,7 +358,8 @@ class Remesher {
       worst = std::min(worst, quality(b, c, d));
       angle = std::min(angle, angle_of(b, c, d));
     });
-    return fits && angle >= angle_now && (worst > kShape || worst > worst_now) &&
+    // Of three neighbours one triangle would be left, which in grooves often crosses others.
+    return fits && neighbours > 3 && angle >= angle_now && (worst > kShape || worst > worst_now) &&
            mesh_.can_collapse(h);
   }
 
