@@ -28,6 +28,8 @@ constexpr std::size_t kMostPairs = 10'000;  ///< of triangles that cross
 /// The part of the tolerance that triangles are refined to where what the mesh misses is found by
 /// chance.
 constexpr double kRefinedBlindly = 0.88;
+/// Remeshing aims as much lower there: triangles that are split for little are thin and many.
+constexpr double kBlindAim = 0.85;
 
 /// Where the octree proves little, the first mesh tells what there is, and has to be finer.
 constexpr double kCloseLook = 2.5;
@@ -167,7 +169,7 @@ class Adaptive {
   /// cross; `untangle` looks for that from the beginning, which is dear.
   MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, double aim, bool untangle) {
     RemeshOptions remeshing;
-    remeshing.tolerance = aim * request_.tolerance;
+    remeshing.tolerance = aim * (proven_ ? 1.0 : kBlindAim) * request_.tolerance;
     remeshing.untangle = untangle;
     remeshing.balance = request_.balance;
     remeshing.progress = request_.progress;
@@ -235,6 +237,7 @@ class Adaptive {
     if (cross()) return HUGE_VAL;
     BothWaysOptions options;
     options.enough = kRefinedBlindly * request_.tolerance;
+    options.improve = true;
     options.small = request_.tolerance;
     options.max_triangles = request_.max_triangles;
     options.progress = request_.progress;

@@ -5,6 +5,7 @@
 #include <limits>
 #include <optional>
 
+#include "polygonize/improve.h"
 #include "polygonize/insert_points.h"
 #include "polygonize/near_intersections.h"
 
@@ -31,7 +32,8 @@ std::vector<TriangleMesh::Index> crossing_vertices(const TriangleMesh& mesh,
 
 BothWays::BothWays(const ImplicitSurface& surface, const BothWaysOptions& options)
     : surface_(surface),
-      watch_(surface, {options.surface_samples, options.enough, 1, options.progress}) {
+      watch_(surface, {options.surface_samples, options.enough, 1, options.progress}),
+      improve_(options.improve) {
   // Less than enough, as what is found is the end of a slot near where it is deepest.
   probe_.enough = 0.8 * options.enough;
   probe_.progress = options.progress;
@@ -48,6 +50,7 @@ double BothWays::run(TriangleMesh& mesh) {
   if (!bring_near(mesh, 0)) return kInfinity;
   if (!crossing_vertices(mesh, apart).empty()) return kInfinity;
   if (mesh.empty()) return watch_.any() ? kInfinity : 0.0;
+  if (improve_) improve_shapes(mesh);
   SurfaceWatch::Look back;
   for (int look = 0; look < kMostLooks; ++look) {
     if (cancelled(refinement_.progress)) return kInfinity;
@@ -64,6 +67,18 @@ double BothWays::run(TriangleMesh& mesh) {
     if (back.lost.empty() || !join(mesh, back.lost)) break;
   }
   return back.farthest;
+}
+
+/// Fewer and better triangles, where they stay near the surface and apart.
+void BothWays::improve_shapes(TriangleMesh& mesh) {
+  const TriangleSet apart(mesh);
+  ImproveOptions improvement;
+  improvement.tolerance = refinement_.tolerance;
+  improvement.small = refinement_.small;
+  improvement.progress = refinement_.progress;
+  TriangleMesh better = improve(surface_, mesh, improvement);
+  if (!bring_near(better, 0) || !crossing_vertices(better, apart).empty()) return;
+  mesh = std::move(better);
 }
 
 /// Refines the triangles with a vertex from `first_new` on; false if some that are too far

@@ -21,6 +21,8 @@ struct BothWaysOptions {
   std::size_t surface_samples = 100'000;  ///< of SurfaceWatch
   std::size_t max_triangles = 50'000'000;
   Progress* progress = nullptr;  ///< cancelled: what is done so far stays
+  /// Whether what is near is made of fewer and better triangles, where that goes (improve.h).
+  bool improve = false;
 };
 
 /// Refines meshes of one surface.
@@ -32,20 +34,22 @@ class BothWays {
   /// Some points of the surface.
   std::vector<Vec3d> on_surface() const { return watch_.some(); }
 
-  /// Refines the mesh where it is too far from the surface, and joins what there is of the surface
-  /// too far from the mesh, as long as that helps and makes no triangles cross. Returns how far the
-  /// surface is from the mesh; infinity, without a look, if the mesh cannot be brought near the
-  /// surface. The mesh stays closed, oriented and 2-manifold.
+  /// Refines the mesh where it is too far from the surface, improves it if asked to, and joins what
+  /// there is of the surface too far from the mesh, as long as that helps and makes no triangles
+  /// cross. Returns how far the surface is from the mesh; infinity, without a look, if the mesh
+  /// cannot be brought near the surface. The mesh stays closed, oriented and 2-manifold.
   double run(TriangleMesh& mesh);
 
  private:
   using Index = TriangleMesh::Index;
+  void improve_shapes(TriangleMesh& mesh);
   bool bring_near(TriangleMesh& mesh, Index first_new);
   bool join(TriangleMesh& mesh, std::vector<LostPoint> lost);
   SurfaceWatch::Look look_again(const ClosestPoint& tree, const SurfaceWatch::Look& last) const;
 
   const ImplicitSurface& surface_;
   SurfaceWatch watch_;
+  bool improve_;
   ShellProbeOptions probe_;
   RefineOptions refinement_;
   std::vector<LostPoint> far_;  ///< what the last refinement could not bring near

@@ -26,10 +26,10 @@ struct FarOptions {
   std::span<const Vec3d> directions{};
 };
 
-/// Of each of these triangles of the mesh that is too far, a point where it is. What is proven to be
-/// near is not looked at, nor what is as near to corners that are on the surface. Else it looks at
-/// the point where one with its corners on a sphere is farthest from it and at the middles of its
-/// edges; at more unless the surface is there where normals at the corners say that it is
+/// Of each of these triangles of the mesh that is too far, a point where it is. What is proven to
+/// be near is not looked at, nor what is as near to corners that are on the surface. Else it looks
+/// at the point where one with its corners on a sphere is farthest from it and at the middles of
+/// its edges; at more unless the surface is there where normals at the corners say that it is
 /// (told_heights.h), and that is near all over. Distances are those of find_foot(). The triangles
 /// are best near each other, as F is restricted to the box around them, and points of several
 /// triangles are looked at once. Some three jets a triangle; up to 17 and as many values where that

@@ -4,10 +4,10 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <compare>
 #include <limits>
 #include <numeric>
 #include <span>
+#include <tuple>
 
 #include "polygonize/half_edges.h"
 
@@ -34,12 +34,7 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
   for (HalfEdge h = 0; h < count; ++h) ++begin[lower_end(mesh, h) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<std::uint32_t> place(begin.begin(), begin.end() - 1);
-  struct Keyed {
-    Index upper;
-    bool down;
-    HalfEdge half_edge;
-    auto operator<=>(const Keyed&) const = default;
-  };
+  using Keyed = std::tuple<Index, bool, HalfEdge>;  // upper vertex, whether from it, half-edge
   std::vector<Keyed> keyed(count);
   for (HalfEdge h = 0; h < count; ++h) {
     const Index lower = lower_end(mesh, h);
@@ -51,7 +46,7 @@ std::vector<HalfEdge> sorted_half_edges(const TriangleMesh& mesh) {
                       for (std::size_t v = range.begin(); v < range.end(); ++v) {
                         std::sort(keyed.begin() + begin[v], keyed.begin() + begin[v + 1]);
                         for (std::uint32_t i = begin[v]; i < begin[v + 1]; ++i) {
-                          sorted[i] = keyed[i].half_edge;
+                          sorted[i] = std::get<2>(keyed[i]);
                         }
                       }
                     });
