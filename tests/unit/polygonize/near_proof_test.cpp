@@ -13,22 +13,10 @@
 #include "polygonize/adaptive_mesher.h"
 #include "tests/unit/polygonize/analytic_surfaces.h"
 #include "tests/unit/polygonize/mesh_test_tools.h"
+#include "tests/unit/polygonize/random_blobs.h"
 
 namespace cs2mesh {
 namespace {
-
-Field random_blobs(Random& random) {
-  std::vector<Term> terms;
-  for (int i = 0; i < 8; ++i) {
-    Term term;
-    const double radius = random.uniform(0.2, 0.5), b = random.uniform(1, 20);
-    term.kernel = Gaussian{std::sqrt(b) / radius, b};
-    term.primitive = Point{random.uniform() * random.direction()};
-    term.frame = frame_of(term.primitive);
-    terms.push_back(term);
-  }
-  return Field(std::move(terms), 1e-9);
-}
 
 std::vector<std::size_t> all_of(const TriangleMesh& mesh) {
   std::vector<std::size_t> all(mesh.triangles.size());
@@ -65,7 +53,7 @@ std::size_t expect_surface_around(const ImplicitSurface& surface, const Triangle
 TEST(NearProof, HoldsOfBlobsWhereverItIsSampled) {
   Random random(30, 1);
   for (int round = 0; round < 4; ++round) {
-    const Field surface = random_blobs(random);
+    const Field surface = test::random_blobs(random);
     MesherRequest request;
     request.tolerance = 0.02;
     request.thinnest_radius = 0.2;

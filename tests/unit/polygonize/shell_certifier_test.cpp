@@ -10,22 +10,10 @@
 #include "polygonize/adaptive_mesher.h"
 #include "polygonize/refine.h"
 #include "tests/unit/polygonize/mesh_test_tools.h"
+#include "tests/unit/polygonize/random_blobs.h"
 
 namespace cs2mesh {
 namespace {
-
-Field random_blobs(Random& random) {
-  std::vector<Term> terms;
-  for (int i = 0; i < 8; ++i) {
-    Term term;
-    const double radius = random.uniform(0.2, 0.5), b = random.uniform(1, 20);
-    term.kernel = Gaussian{std::sqrt(b) / radius, b};
-    term.primitive = Point{random.uniform() * random.direction()};
-    term.frame = frame_of(term.primitive);
-    terms.push_back(term);
-  }
-  return Field(std::move(terms), 1e-9);
-}
 
 TriangleMesh meshed(const ImplicitSurface& surface, double tolerance) {
   MesherRequest request;
@@ -69,7 +57,7 @@ TEST(ShellCertifier, SegmentsOfWhatIsProvenCrossTheSurfaceOnce) {
   Random random(30, 1);
   constexpr double kTolerance = 0.02;
   for (int round = 0; round < 4; ++round) {
-    const Field surface = random_blobs(random);
+    const Field surface = test::random_blobs(random);
     const TriangleMesh mesh = meshed(surface, kTolerance);
     ShellCertifier certifier(surface, kTolerance, nullptr);
     ASSERT_TRUE(certifier.run(mesh));
@@ -95,7 +83,7 @@ TEST(ShellCertifier, SegmentsOfWhatIsProvenCrossTheSurfaceOnce) {
 
 TEST(ShellCertifier, AsksNoMoreOfAMeshThatIsTheSame) {
   Random random(32, 1);
-  const Field surface = random_blobs(random);
+  const Field surface = test::random_blobs(random);
   const TriangleMesh mesh = meshed(surface, 0.02);
   ShellCertifier certifier(surface, 0.02, nullptr);
   ASSERT_TRUE(certifier.run(mesh));
@@ -111,7 +99,7 @@ TEST(ShellCertifier, AsksNoMoreOfAMeshThatIsTheSame) {
 TEST(ShellCertifier, NothingIsWorthCuttingWhereAllIsProven) {
   const Field surface = [] {
     Random random(33, 1);
-    return random_blobs(random);
+    return test::random_blobs(random);
   }();
   const TriangleMesh mesh = meshed(surface, 0.01);
   ShellCertifier certifier(surface, 0.03, nullptr);
