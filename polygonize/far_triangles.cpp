@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 
 #include "polygonize/distinct_points.h"
@@ -30,8 +31,9 @@ std::vector<double> distances_of(const ImplicitSurface& surface, std::span<const
     distances[i] = first_order_distance(jets[i], kInfinity);
     const double slope = norm_of_any(jets[i].gradient);
     if (!(distances[i] > kSurely * tolerance) || !(slope > 0 && slope < kInfinity)) continue;
-    const double way = jets[i].value >= 0 ? -tolerance : tolerance;
-    ends.push_back(points[i] + way / slope * jets[i].gradient);
+    const double way = (jets[i].value >= 0 ? -tolerance : tolerance) / slope;
+    if (!std::isfinite(way)) continue;
+    ends.push_back(points[i] + way * jets[i].gradient);
     doubtful.push_back(i);
   }
   if (ends.empty()) return distances;

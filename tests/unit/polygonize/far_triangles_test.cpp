@@ -85,6 +85,24 @@ TEST(FarTriangles, AreThoseThatAreFar) {
   }
 }
 
+/// Inside everywhere, with a slope that tolerances cannot be divided by.
+struct NearlyLevel {
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    return T(0.5) - T(1e-310) * (square(p.x) + square(p.y) + square(p.z));
+  }
+  static Aabb bounds() { return {{-1, -1, -1}, {1, 1, 1}}; }
+};
+
+TEST(FarTriangles, AreAllWhereTheFieldIsNearlyLevel) {
+  const Surface<NearlyLevel> level;
+  const TriangleMesh mesh = test::bare_sphere({}, 1, 3);
+  std::vector<std::size_t> all(mesh.triangles.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  const FarOptions options{0.01, 0.08};
+  EXPECT_EQ(far_triangles(level, mesh, all, options).size(), all.size());
+}
+
 TEST(DistinctPoints, AreAllThereOnce) {
   const std::vector<Vec3d> points{{1, 2, 3}, {0, 5, 0}, {1, 2, 3}, {0, 4, 9}, {0, 5, 0}};
   const DistinctPoints distinct(points);
