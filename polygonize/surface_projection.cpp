@@ -320,17 +320,6 @@ constexpr double kSearchSpan = 1.0 / 32;
 
 namespace {
 
-/// The points of a sphere about p that lie along axes and diagonals.
-std::vector<Vec3d> points_around(const Vec3d& p, double radius) {
-  std::vector<Vec3d> points;
-  for (int i = 0; i < 27; ++i) {
-    const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
-    const double length = norm(d);
-    if (length > 0) points.push_back(p + (radius / length) * d);
-  }
-  return points;
-}
-
 /// The change of sign on the way from p to q, which lie on different sides.
 SignChange narrowed(const ImplicitSurface& surface, const Vec3d& p, const Vec3d& q, bool side) {
   constexpr int kHalvings = 8;
@@ -378,11 +367,17 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
   constexpr double kQuarterOctave = 1.189207115002721;
   const auto near = surface.restrict_to(Aabb{p, p}.grown(farthest * (1 + 1e-9)));
   const bool side = inside(near->value(p));
+  std::vector<Vec3d> points;
   std::vector<double> values;
   double radius = kSearchSpan * farthest;
   for (int sphere = 0; sphere < (closely ? kCloseSpheres : kSpheres); ++sphere) {
     if (sphere > 0) radius *= closely && sphere > kFirstHalf ? kQuarterOctave : std::numbers::sqrt2;
-    const std::vector<Vec3d> points = points_around(p, radius);
+    points.clear();
+    for (int i = 0; i < 27; ++i) {
+      const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+      const double length = norm(d);
+      if (length > 0) points.push_back(p + (radius / length) * d);
+    }
     values.resize(points.size());
     near->values(points, values);
     std::optional<SignChange> nearest;
@@ -409,49 +404,16 @@ namespace {
 /// How far the surface may be from a point, in first-order distances.
 constexpr double kFarthest = 4.0;
 
-/// A point of the surface, and whether the field is much the same all the way there, so that none
-/// is nearer but by chance.
-struct NewtonFoot {
-  Vec3d point;
-  bool straight = false;
-};
-
-/// Whether the field at two points grows the same way, and in its logarithm about as fast.
-bool are_alike(const Jet& a, const Jet& b) {
-  constexpr double kTurn = 0.95, kGain = 1.5;  // a cosine, and a ratio
-  const auto slope = [](const Jet& jet) {
-    return norm_of_any(jet.gradient) / (jet.value > -1 ? 1 + jet.value : 1.0);
-  };
-  const double one = slope(a), other = slope(b);
-  return one < kGain * other && other < kGain * one &&
-         dot(a.gradient, b.gradient) > kTurn * norm_of_any(a.gradient) * norm_of_any(b.gradient);
-}
-
-/// Whether F keeps its sign about p, as far as the sphere is looked at that search_around() ends
-/// with: in a groove, or beside a crease, it does not.
-bool keeps_sign_around(const ImplicitSurface& surface, const Vec3d& p, double radius) {
-  const std::vector<Vec3d> points = points_around(p, radius);
-  std::vector<double> values(points.size());
-  surface.values(points, values);
-  const bool side = inside(surface.value(p));
-  const auto other = [side](double value) { return inside(value) != side; };
-  return std::none_of(values.begin(), values.end(), other);
-}
-
 /// A point of the surface near `p` by Newton's method along the gradient in the logarithm of the
 /// field, which is nearer to linear, if that converges within a few times `first`.
-std::optional<NewtonFoot> newton_foot(const ImplicitSurface& surface, const Vec3d& p,
-                                      double first) {
+std::optional<Vec3d> newton_foot(const ImplicitSurface& surface, const Vec3d& p, double first) {
   constexpr int kMostSteps = 20;
   constexpr double kConverged = 1e-3;  // of the distance
-  constexpr double kWithin = 0.99;     // of the distance, so that the foot itself does not count
   const Aabb box = Aabb{p, p}.grown(kFarthest * first);
   const auto near = surface.restrict_to(box);
   Vec3d q = p;
-  Jet start;
   for (int i = 0; i < kMostSteps; ++i) {
     const Jet jet = near->jet(q);
-    if (i == 0) start = jet;
     const double slope = norm_of_any(jet.gradient);
     if (!(slope > 0)) return std::nullopt;
     const Vec3d step = (-leveled(jet.value) / slope) * (jet.gradient / slope);
@@ -459,10 +421,7 @@ std::optional<NewtonFoot> newton_foot(const ImplicitSurface& surface, const Vec3
     const double distance = norm(q - p);
     if (!(distance <= kFarthest * first) || !box.contains(q)) return std::nullopt;
     // Where hardly any of the field is left its logarithm makes short steps, too.
-    if (first_order_distance(jet, HUGE_VAL) <= kConverged * distance) {
-      return NewtonFoot{q,
-                        are_alike(start, jet) && keeps_sign_around(*near, p, kWithin * distance)};
-    }
+    if (first_order_distance(jet, HUGE_VAL) <= kConverged * distance) return q;
   }
   return std::nullopt;
 }
@@ -481,21 +440,21 @@ Vec3d between(const ImplicitSurface& surface, SignChange change) {
 }  // namespace
 
 Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order, double enough) {
-  const std::optional<NewtonFoot> found = newton_foot(surface, p, first_order);
-  if (found) {
-    const double distance = norm(found->point - p);
-    if (distance <= enough || found->straight) return {found->point, distance};
+  const std::optional<Vec3d> straight = newton_foot(surface, p, first_order);
+  if (straight) {
+    const double distance = norm(*straight - p);
+    if (distance <= enough) return {*straight, distance};
     const std::optional<SignChange> nearer = search_around(surface, p, distance);
-    if (!nearer) return {found->point, distance};
+    if (!nearer) return {*straight, distance};
     const Vec3d foot = between(surface, *nearer);
     return {foot, norm(foot - p)};
   }
   // Value and gradient may say far too much, as where hardly any of the field is left, or too
   // little, as within a groove of stiff blobs, where they tell of a sphere within the other.
   for (const double share : {kSearchSpan * kSearchSpan, kSearchSpan, 1.0, kFarthest}) {
-    const std::optional<SignChange> change = search_around(surface, p, share * first_order);
-    if (change) {
-      const Vec3d foot = between(surface, *change);
+    const std::optional<SignChange> found = search_around(surface, p, share * first_order);
+    if (found) {
+      const Vec3d foot = between(surface, *found);
       return {foot, norm(foot - p)};
     }
   }

@@ -45,10 +45,9 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
                                         double farthest, bool closely = false);
 
 /// A point of the surface near `p`, from which `first_order` is the distance to judge by value and
-/// gradient: Newton's method along the gradient may run past a wall that is nearer, so that and,
-/// where the field turns, or gets flatter or steeper on the way, a search all around are tried. Its
-/// distance bounds that of the surface if either finds anything; if neither does, it is `p` itself
-/// with `first_order`. A point no farther than `enough` will do.
+/// gradient: Newton's method along the gradient may run past a wall that is nearer, so that and a
+/// search all around are tried. Its distance bounds that of the surface if either finds anything;
+/// if neither does, it is `p` itself with `first_order`. A point no farther than `enough` will do.
 struct Foot {
   Vec3d point;
   double distance = 0.0;
