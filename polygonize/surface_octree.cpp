@@ -86,8 +86,9 @@ std::array<Aabb, 8> parts(const Octree& octree, Octree::Index cell) {
   return boxes;
 }
 
-/// How often a box may be halved along all axes before it counts as not proven.
-constexpr int kDepth = 2;
+/// How often a box may be halved before it counts as not proven, and after how many times what is
+/// asked is restricted to what is left of it.
+constexpr int kMostHalvings = 6, kRestrictedAfter = 2;
 
 /// Asks whether F changes its sign at most once along every line of a direction in a box: where it
 /// grows along it on the surface in every part of the box, one direction for all.
@@ -100,7 +101,7 @@ struct Grower {
   bool grows_along(const Aabb& box) {
     ++slopes;
     if (surface.least_slope(box, direction) > 0) return true;
-    return grows_in_parts(box);
+    return grows_in_halves(surface, box, 0);
   }
   /// Whether F grows so along some direction; `direction` is its gradient somewhere in the box.
   bool grows_somehow(const Aabb& box) {
@@ -108,31 +109,39 @@ struct Grower {
     const Rise rise = surface.rise(box, direction);
     if (rise.slope > 0) return true;
     direction = rise.direction;
-    return grows_in_parts(box);
+    return grows_in_halves(surface, box, 0);
   }
 
  private:
-  /// Many questions about parts of the box: what is far from it may be settled once.
-  bool grows_in_parts(const Aabb& box) {
-    return grows_in_parts(*surface.restrict_to(box), box, kDepth);
-  }
-
-  bool grows_in_parts(const ImplicitSurface& part, const Aabb& box, int depth) {
-    std::array<Aabb, 8> octants;
-    std::array<Interval, 8> ranges;
-    for (int i = 0; i < 8; ++i) {
-      const Vec3d center = box.center(), corner = box.corner(i);
-      octants[static_cast<std::size_t>(i)] = {min(center, corner), max(center, corner)};
-    }
-    part.enclose_each(octants, ranges);
-    for (std::size_t i = 0; i < 8; ++i) {
-      if (!may_hold_zero(ranges[i])) continue;
-      if (depth == 0) return false;
+  /// A few questions about halves are cheaper than a restriction; with more, what is far from the
+  /// box is better settled once.
+  bool grows_in_halves(const ImplicitSurface& part, const Aabb& box, int halvings) {
+    if (halvings == kMostHalvings) return false;
+    const std::unique_ptr<const ImplicitSurface> own =
+        halvings == kRestrictedAfter ? part.restrict_to(box) : nullptr;
+    for (const Aabb& half : halves(box)) {
       ++slopes;
-      if (part.least_slope(octants[i], direction) > 0) continue;
-      if (!grows_in_parts(part, octants[i], depth - 1)) return false;
+      const ImplicitSurface& inner = own ? *own : part;
+      if (inner.least_slope(half, direction) > 0) continue;
+      if (!grows_in_halves(inner, half, halvings + 1)) return false;
     }
     return true;
+  }
+
+  /// Of the longest sides, that which is most along the direction is halved: the surface is likely
+  /// to miss much of one half.
+  std::array<Aabb, 2> halves(const Aabb& box) const {
+    constexpr double kAlmost = 0.9;
+    const Vec3d extent = box.extent();
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    std::size_t axis = 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (extent[k] < kAlmost * longest) continue;
+      if (axis == 3 || std::abs(direction[k]) > std::abs(direction[axis])) axis = k;
+    }
+    std::array<Aabb, 2> found{box, box};
+    found[0].max[axis] = found[1].min[axis] = box.center()[axis];
+    return found;
   }
 };
 
