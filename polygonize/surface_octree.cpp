@@ -2,6 +2,8 @@
 
 #include <tbb/parallel_for.h>
 
+#include <boost/container/static_vector.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -86,9 +88,9 @@ std::array<Aabb, 8> parts(const Octree& octree, Octree::Index cell) {
   return boxes;
 }
 
-/// How often a box may be halved before it counts as not proven, and after how many times what is
+/// How often a box may be cut before it counts as not proven, and after how many times what is
 /// asked is restricted to what is left of it.
-constexpr int kMostHalvings = 6, kRestrictedAfter = 2;
+constexpr int kMostCuts = 4, kRestrictedAfter = 2;
 
 /// Asks whether F changes its sign at most once along every line of a direction in a box: where it
 /// grows along it on the surface in every part of the box, one direction for all.
@@ -101,7 +103,7 @@ struct Grower {
   bool grows_along(const Aabb& box) {
     ++slopes;
     if (surface.least_slope(box, direction) > 0) return true;
-    return grows_in_halves(surface, box, 0);
+    return grows_in_parts(surface, box, 0);
   }
   /// Whether F grows so along some direction; `direction` is its gradient somewhere in the box.
   bool grows_somehow(const Aabb& box) {
@@ -109,21 +111,29 @@ struct Grower {
     const Rise rise = surface.rise(box, direction);
     if (rise.slope > 0) return true;
     direction = rise.direction;
-    return grows_in_halves(surface, box, 0);
+    return grows_in_parts(surface, box, 0);
   }
 
  private:
-  /// A few questions about halves are cheaper than a restriction; with more, what is far from the
-  /// box is better settled once.
-  bool grows_in_halves(const ImplicitSurface& part, const Aabb& box, int halvings) {
-    if (halvings == kMostHalvings) return false;
+  /// In halves first, which will do more often than not, then those in quarters, and so on. A few
+  /// questions are cheaper than a restriction; with more, what is far is better settled once.
+  bool grows_in_parts(const ImplicitSurface& part, const Aabb& box, int cuts) {
+    if (cuts == kMostCuts) return false;
     const std::unique_ptr<const ImplicitSurface> own =
-        halvings == kRestrictedAfter ? part.restrict_to(box) : nullptr;
+        cuts == kRestrictedAfter ? part.restrict_to(box) : nullptr;
+    const ImplicitSurface& inner = own ? *own : part;
+    boost::container::static_vector<Aabb, 4> parts;
     for (const Aabb& half : halves(box)) {
+      if (cuts % 2 == 0) {
+        parts.push_back(half);
+      } else {
+        for (const Aabb& quarter : halves(half)) parts.push_back(quarter);
+      }
+    }
+    for (const Aabb& smaller : parts) {
       ++slopes;
-      const ImplicitSurface& inner = own ? *own : part;
-      if (inner.least_slope(half, direction) > 0) continue;
-      if (!grows_in_halves(inner, half, halvings + 1)) return false;
+      if (inner.least_slope(smaller, direction) > 0) continue;
+      if (!grows_in_parts(inner, smaller, cuts + 1)) return false;
     }
     return true;
   }

@@ -324,6 +324,7 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   if (knows_turn(box)) {
     const double least = least_slope_by_turn(one, direction);
     if (least > 0) return least;
+    if (keeps_sign(box)) return kInfinity;
   }
   std::vector<std::uint32_t> list;
   near_terms(box, list);
@@ -341,6 +342,13 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   if (least > 0 || data_->terms.size() == 1) return least;
   // Together the gradients may turn less than each by itself.
   return std::max(least, least_along(enclose_gradient(box), direction));
+}
+
+/// Whether the cheaper enclosure shows that F keeps its sign.
+bool Field::keeps_sign(const Aabb& box) const {
+  Interval range;
+  enclose_each({&box, 1}, {&range, 1});
+  return range.lo > 0 || range.hi < 0;
 }
 
 bool Field::has_cheap_bounds() const {
