@@ -376,16 +376,16 @@ void SurfaceOctree::choose_largest(std::span<const Index> leaves, double smalles
   }
 }
 
-/// For each cell whether a leaf in it has that number or a higher one.
+/// For each cell whether a leaf in it has that number, the first of some siblings, or a higher one.
 std::vector<bool> SurfaceOctree::with_leaves_from(std::size_t first) const {
-  std::vector<bool> marked(octree_.size(), false);
-  for (std::size_t i = octree_.size(); i-- > 0;) {
+  std::vector<bool> marked(octree_.size(), true);
+  // Children come after their parents.
+  for (std::size_t i = first; i-- > 0;) {
     const auto cell = static_cast<Index>(i);
-    if (octree_.is_leaf(cell)) {
-      marked[i] = i >= first;
-    } else {
-      for (int c = 0; c < 8; ++c) marked[i] = marked[i] || marked[octree_.child(cell, c)];
-    }
+    marked[i] = false;
+    if (octree_.is_leaf(cell)) continue;
+    const Index child = octree_.child(cell, 0);
+    for (Index c = child; c < child + 8 && !marked[i]; ++c) marked[i] = marked[c];
   }
   return marked;
 }
