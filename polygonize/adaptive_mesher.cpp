@@ -85,8 +85,8 @@ class Adaptive {
               (request_.min_feature > 0 ||
                open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
     if (provable_ && !proven_) {
-      lattice_.emplace(mesh_by_lattice(surface_, request_));
-      if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
+      Result<MesherResult> lattice = mesh_on_cells(surface_, request_, {});
+      if (lattice && lattice->reached) return lattice;
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       options.coarseness = kCloseLook;
       tree = SurfaceOctree::build(surface_, options);
@@ -120,7 +120,7 @@ class Adaptive {
     }
     const double enough = (provable_ ? 1.0 : kAcceptedPart) * request_.tolerance;
     if (best.error > enough) {
-      Result<MesherResult> other = by_lattice();
+      Result<MesherResult> other = mesh_by_lattice(surface_, request_);
       if (!other && !(best.error < HUGE_VAL)) return other;
       if (other && other->error < best.error) return other;
     }
@@ -157,12 +157,6 @@ class Adaptive {
                     "the mesh needs more than " + std::to_string(request_.max_triangles) +
                         " triangles; use a larger tolerance",
                     Failure::limit);
-  }
-
-  /// What the lattice mesher makes of it.
-  Result<MesherResult> by_lattice() {
-    if (!lattice_) lattice_.emplace(mesh_by_lattice(surface_, request_));
-    return *std::move(lattice_);
   }
 
   /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
@@ -250,9 +244,8 @@ class Adaptive {
   const ImplicitSurface& surface_;
   const MesherRequest& request_;
   AdaptiveStatistics& log_;
-  bool provable_ = false;                        ///< bounds are cheap
-  bool proven_ = false;                          ///< and hardly a leaf of the octree is open
-  std::optional<Result<MesherResult>> lattice_;  ///< what the lattice mesher makes, if tried
+  bool provable_ = false;  ///< bounds are cheap
+  bool proven_ = false;    ///< and hardly a leaf of the octree is open
   std::optional<BothWays> both_ways_;
   double smallest_cell_ = 0.0;
   std::vector<Vec3d> trouble_;  ///< points where the last attempt went wrong

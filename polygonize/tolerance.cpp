@@ -247,7 +247,10 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
 }
 
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
-  return mesh_on_cells(surface, request, {});
+  constexpr int kPatience = 7;
+  ToleranceOptions options;
+  options.most_attempts = kPatience;
+  return mesh_on_cells(surface, request, options);
 }
 
 }  // namespace cs2mesh

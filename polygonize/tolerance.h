@@ -105,7 +105,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
 /// The same as meshers() are asked and answer (mesher.h); their limits replace those of `options`.
 Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherRequest& request,
                                    ToleranceOptions options);
-/// With the lattice mesher.
+/// With the lattice mesher, on up to seven lattices: beside walls and kinks of F triangles cross
+/// until cells are as small as what is between those, and there is no other way.
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request);
 
 }  // namespace cs2mesh
