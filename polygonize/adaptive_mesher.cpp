@@ -26,8 +26,8 @@ constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
 constexpr std::size_t kMostPairs = 10'000;  ///< of triangles that cross
 /// The part of the tolerance that triangles are refined to where what the mesh misses is found by
-/// chance.
-constexpr double kRefinedBlindly = 0.88;
+/// chance; up to the second it does not matter how near they are.
+constexpr double kRefinedBlindly = 0.88, kSurely = 0.8;
 /// Remeshing aims as much lower there: triangles that are split for little are thin and many.
 constexpr double kBlindAim = 0.85;
 
@@ -185,7 +185,9 @@ class Adaptive {
     }
     if (!proven_ && result.error < HUGE_VAL) {
       begin("measure");
-      const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
+      const double tolerance = request_.tolerance;
+      const GradientEstimate estimate(0.4 * tolerance, kSmall * tolerance, kSurely * tolerance,
+                                      request_.progress);
       result.error = std::max(result.error, estimate.largest_distance(surface_, result.mesh));
       log_.jets += result.mesh.triangles.size();
     }
