@@ -54,8 +54,8 @@ struct BulkPack {
   /// Adds f(p) for each of the points. Flattened: no call remains that another unit could serve,
   /// and nothing is computed for a gradient that is not asked for.
   template <class Out, class Formula>
-  [[gnu::flatten]] static void add_each(const Vec3d* points, Out* sums, std::size_t count,
-                                        const Formula& formula) {
+  CS2MESH_FLATTEN static void add_each(const Vec3d* points, Out* sums, std::size_t count,
+                                       const Formula& formula) {
     // The last point stands in for those that a pack lacks.
     Vec3d padded[kLanes];
     Out padded_sums[kLanes];
@@ -77,25 +77,25 @@ struct BulkPack {
   }
 
   template <class K, class F, class Out>
-  [[gnu::flatten]] static void add(const K& kernel, const F& frame, double sign,
-                                   const Vec3d* points, Out* sums, std::size_t count) {
+  CS2MESH_FLATTEN static void add(const K& kernel, const F& frame, double sign, const Vec3d* points,
+                                  Out* sums, std::size_t count) {
     const auto lanes = in_lanes(frame);
     add_each(points, sums, count,
              [&](const Vec3<T>& p) { return T(sign) * integral(kernel, lanes, p); });
   }
 
   template <class K, class Out>
-  [[gnu::flatten]] static void add_points(const PointSource* sources, const std::uint32_t* index,
-                                          std::size_t source_count, const Vec3d* points, Out* sums,
-                                          std::size_t count) {
+  CS2MESH_FLATTEN static void add_points(const PointSource* sources, const std::uint32_t* index,
+                                         std::size_t source_count, const Vec3d* points, Out* sums,
+                                         std::size_t count) {
     add_each(points, sums, count,
              [&](const Vec3<T>& p) { return point_sum<K, T>(sources, index, source_count, p); });
   }
 
   template <int TwoNu, int Nodes, class Out>
-  [[gnu::flatten]] static void add_as_nodes(const SegmentSource* sources,
-                                            const std::uint32_t* index, std::size_t source_count,
-                                            const Vec3d* points, Out* sums, std::size_t count) {
+  CS2MESH_FLATTEN static void add_as_nodes(const SegmentSource* sources, const std::uint32_t* index,
+                                           std::size_t source_count, const Vec3d* points, Out* sums,
+                                           std::size_t count) {
     add_each(points, sums, count, [&](const Vec3<T>& p) {
       return segment_sum<TwoNu, Nodes, T>(sources, index, source_count, p);
     });
@@ -126,9 +126,9 @@ struct BulkPack {
   }
 
   template <class K, class Out>
-  [[gnu::flatten]] static void try_triangle(const K& kernel, const TriangleFrame<double>& frame,
-                                            double sign, const Vec3d* points, Out* sums,
-                                            double* left, std::size_t count) {
+  CS2MESH_FLATTEN static void try_triangle(const K& kernel, const TriangleFrame<double>& frame,
+                                           double sign, const Vec3d* points, Out* sums,
+                                           double* left, std::size_t count) {
     const TriangleFrame<T> lanes(frame);
     add_each(points, sums, count, [&](const Vec3<T>& p) {
       const TriangleTrial<T> trial = triangle_trial(kernel, lanes, p);
@@ -160,9 +160,9 @@ struct BulkPack {
   };
 
   template <int Order>
-  [[gnu::flatten]] static void add_nodes_to(double two_nu, const SeriesFrame& frame,
-                                            const SegmentSource* segments, const NodeLists& lists,
-                                            double* series) {
+  CS2MESH_FLATTEN static void add_nodes_to(double two_nu, const SeriesFrame& frame,
+                                           const SegmentSource* segments, const NodeLists& lists,
+                                           double* series) {
     using P = Pack<N>;
     PlaceTensors<N, Order> tensors;
     const double inverse = 1.0 / frame.unit;
@@ -200,8 +200,8 @@ struct BulkPack {
   }
 
   /// A source a lane.
-  [[gnu::flatten]] static void add_sources(double two_nu, int order, const SeriesSource* sources,
-                                           std::size_t count, double* series) {
+  CS2MESH_FLATTEN static void add_sources(double two_nu, int order, const SeriesSource* sources,
+                                          std::size_t count, double* series) {
     using P = Pack<N>;
     if (count == 0) return;
     P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
@@ -249,8 +249,8 @@ struct BulkPack {
   }
 
   /// A source a lane; eight nodes integrate all powers that count along a segment exactly.
-  [[gnu::flatten]] static void add_moments(const MomentSource* sources, std::size_t count,
-                                           bool segments, std::size_t sets, Series* moments) {
+  CS2MESH_FLATTEN static void add_moments(const MomentSource* sources, std::size_t count,
+                                          bool segments, std::size_t sets, Series* moments) {
     using P = Pack<N>;
     constexpr const UnitRule<8>& rule = kUnitRule<8>;
     P sums[kTauOrders * kSeriesSize];
@@ -279,8 +279,8 @@ struct BulkPack {
   }
 
   template <class Out>
-  [[gnu::flatten]] static void add_series(const double* series, const Vec3d& center, double unit,
-                                          const Vec3d* points, Out* sums, std::size_t count) {
+  CS2MESH_FLATTEN static void add_series(const double* series, const Vec3d& center, double unit,
+                                         const Vec3d* points, Out* sums, std::size_t count) {
     const T inverse(1.0 / unit);
     add_each(points, sums, count, [&](const Vec3<T>& p) {
       const Vec3<T> x{(p.x - T(center.x)) * inverse, (p.y - T(center.y)) * inverse,
@@ -292,8 +292,8 @@ struct BulkPack {
   }
 
   template <class F, class Out>
-  [[gnu::flatten]] static void find_weights(const StrengthProfile& profile, const F& frame,
-                                            const Vec3d* points, Out* weights, std::size_t count) {
+  CS2MESH_FLATTEN static void find_weights(const StrengthProfile& profile, const F& frame,
+                                           const Vec3d* points, Out* weights, std::size_t count) {
     const auto lanes = in_lanes(frame);
     for (std::size_t i = 0; i < count; ++i) weights[i] = Out{};
     add_each(points, weights, count,
