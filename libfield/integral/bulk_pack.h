@@ -15,7 +15,7 @@
 #include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_arc.h"
 #include "libfield/integral/metaball_triangle.h"
-#include "libfield/integral/place_tensors.h"
+#include "libfield/integral/place_harmonics.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/squared_triangle.h"
 #include "libfield/integral/support_arc.h"
@@ -159,17 +159,16 @@ struct BulkPack {
     }
   };
 
-  template <int Order>
-  CS2MESH_FLATTEN static void add_nodes_to(double two_nu, const SeriesFrame& frame,
-                                           const SegmentSource* segments, const NodeLists& lists,
-                                           double* series) {
+  CS2MESH_FLATTEN static void add_nodes(double two_nu, const SeriesFrame& frame,
+                                        const SegmentSource* segments, const NodeLists& lists,
+                                        double* sums) {
     using P = Pack<N>;
-    PlaceTensors<N, Order> tensors;
+    PlaceHarmonics<N> harmonics(two_nu);
     const double inverse = 1.0 / frame.unit;
     const double scale = two_nu == 4.0   ? inverse * inverse * inverse * inverse
                          : two_nu == 2.0 ? inverse * inverse
                                          : inverse;
-    const auto add = [&](const Segments& some, double along, double part) {
+    const auto place = [&](const Segments& some, double along, double part) {
       const P unit(inverse), t(along);
       const Vec3<P> d{unit * (P(frame.center.x) - fma(t, some.half.x, some.middle.x)),
                       unit * (P(frame.center.y) - fma(t, some.half.y, some.middle.y)),
@@ -177,26 +176,28 @@ struct BulkPack {
       const P s = fma(d.x, d.x, fma(d.y, d.y, fma(d.z, d.z, unit * unit * some.tau)));
       const P over = P(1) / s;
       const P power = two_nu == 4.0 ? over * over : two_nu == 2.0 ? over : sqrt(over);
-      tensors.add(d, over, P(scale * part) * some.weight * power);
+      return FarPlaces<P>{d, over, P(scale * part) * some.weight * power};
     };
+    // What is added together is so up to the order of the first, the highest.
+    constexpr int kMost = PlaceHarmonics<N>::kMostPacks;
+    FarPlaces<P> places[kMost];
     for (std::size_t which = 0; which < lists.size(); ++which) {
-      const std::span<const std::uint32_t> list = lists[which];
+      const auto& [list, orders] = lists[which];
+      const NodeRule& rule = kNodeRules[which];
+      int waiting = 0, order = 0;
       for (std::size_t first = 0; first < list.size(); first += N) {
         const Segments some(segments, list.data() + first, list.size() - first);
-        const NodeRule& rule = kNodeRules[which];
-        for (std::size_t k = 0; k < rule.size; ++k) add(some, rule.along[k], rule.part[k]);
+        for (std::size_t k = 0; k < rule.size; ++k) {
+          if (waiting == 0) order = orders[first];
+          places[waiting++] = place(some, rule.along[k], rule.part[k]);
+          if (waiting < kMost) continue;
+          harmonics.template add<kMost>(order, places);
+          waiting = 0;
+        }
       }
+      for (int k = 0; k < waiting; ++k) harmonics.template add<1>(order, places + k);
     }
-    tensors.add_to(two_nu, series);
-  }
-  static void add_nodes(double two_nu, int order, const SeriesFrame& frame,
-                        const SegmentSource* segments, const NodeLists& lists, double* series) {
-    const auto add = [&]<int... I>(std::integer_sequence<int, I...>) {
-      ((order == 2 * I + 2 ? add_nodes_to<2 * I + 2>(two_nu, frame, segments, lists, series)
-                           : void()),
-       ...);
-    };
-    add(std::make_integer_sequence<int, kTaylorOrder / 2>{});
+    harmonics.add_to(sums);
   }
 
   /// A source a lane.
