@@ -25,7 +25,7 @@ constexpr int kMostLevels = 20;
 /// of the last levels, which are many, have a large one.
 constexpr double kSeriesPart = 0.7;
 constexpr std::size_t kLongList = 4000;
-constexpr double kEarlyPart = 1.0 / 6, kLatePart = 1.0 / 3;
+constexpr double kEarlyPart = 1.0 / 6, kLatePart = 0.45;
 /// A list shrinks from level to level, so that each source that leaves it may leave open more.
 constexpr double kShareGrowth = 2.3;
 

@@ -21,7 +21,7 @@ constexpr double kLeafShare = 4.0;
 /// greater.
 constexpr double kLongest2 = 4.0;
 /// Elements of a node look alike where its radius is at most this part of the distance.
-constexpr double kAlike = 1.0 / 16;
+constexpr double kAlike = 1.0 / 10;
 /// So few elements that none of them reaches the cell are looked at again by its children.
 constexpr std::uint32_t kFewElements = 16;
 
