@@ -52,9 +52,7 @@ class Improver {
     const auto count = static_cast<double>(mesh_.mesh().triangles.size());
     for (int round = 0; round < options_.most_rounds; ++round) {
       propose_for_all_thin();
-      for (HalfEdge h = 0; h < 3 * mesh_.mesh().triangles.size(); ++h) {
-        if (mesh_.alive(triangle_of(h))) propose_collapse(h, kTurn);
-      }
+      propose_collapses();
       if (static_cast<double>(carry_out(round)) < kFew * count) break;
     }
     for (int round = 0; round < options_.most_rounds; ++round) {
@@ -83,6 +81,7 @@ class Improver {
     positions_ = mesh_.mesh().positions;
     normals_.resize(positions_.size());
     feet_.resize(positions_.size());
+    changed_.assign(positions_.size(), true);
     std::vector<Index> all(positions_.size());
     std::iota(all.begin(), all.end(), Index{0});
     look_at(all);
@@ -161,10 +160,35 @@ class Improver {
     return cross(position(t[1]) - position(t[0]), position(t[2]) - position(t[0]));
   }
 
+  /// Of all edges but those that could not be collapsed before, nothing about which has changed.
+  void propose_collapses() {
+    hopeless_.resize(3 * mesh_.mesh().triangles.size(), false);
+    find_stale();
+    for (HalfEdge h = 0; h < hopeless_.size(); ++h) {
+      if (!mesh_.alive(triangle_of(h)) || (hopeless_[h] && !stale_[start(h)])) continue;
+      hopeless_[h] = !propose_collapse(h, kTurn) && !blocked_;
+    }
+  }
+
+  /// Vertices of changed triangles, and their neighbours, whose edges may be collapsed for all that
+  /// is known.
+  void find_stale() {
+    stale_.assign(positions_.size(), false);
+    for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) {
+      if (!mesh_.alive(t)) continue;
+      const Triangle& corners = mesh_.mesh().triangles[t];
+      const auto changed = [this](Index v) { return changed_[v]; };
+      if (std::none_of(corners.begin(), corners.end(), changed)) continue;
+      for (const Index v : corners) stale_[v] = true;
+    }
+    changed_.assign(positions_.size(), false);
+  }
+
   /// Takes out the start of h, so that triangles are of that cosine with the surface at least.
   bool propose_collapse(HalfEdge h, double turn_least) {
     const Index a = start(h), b = end(h);
-    if (touched_[a] || touched_[b] || refused(Kind::collapse, h)) return false;
+    blocked_ = touched_[a] || touched_[b];
+    if (blocked_ || refused(Kind::collapse, h)) return false;
     const HalfEdge back = mesh_.opposite(h);
     const std::size_t first = made_.size();
     double now = sound_, then = sound_;
@@ -175,7 +199,8 @@ class Improver {
       now = std::min(now, angle_of(old));
       if (turn == h || triangle_of(turn) == triangle_of(back)) return;
       const Triangle made{b, old[1], old[2]};
-      fits = !touched_[old[1]] && !touched_[old[2]] && follows(made, turn_least, area_of(old));
+      blocked_ = blocked_ || touched_[old[1]] || touched_[old[2]];
+      fits = !blocked_ && follows(made, turn_least, area_of(old));
       then = std::min(then, angle_of(made));
       made_.push_back(made);
     });
@@ -370,6 +395,7 @@ class Improver {
         ++statistics.refused;
       } else if (carry_out(proposal)) {
         ++changed;
+        note_changes(proposal);
         if (proposal.kind == Kind::move) {
           moved.push_back(start(proposal.edge));
           continue;
@@ -381,6 +407,15 @@ class Improver {
     }
     bring_back(moved);
     return changed;
+  }
+
+  void note_changes(const Proposal& proposal) {
+    if (proposal.kind == Kind::move) changed_[start(proposal.edge)] = true;
+    for (std::size_t i = proposal.first; i < proposal.first + proposal.count; ++i) {
+      for (const Index v : made_[i]) {
+        if (v < changed_.size()) changed_[v] = true;
+      }
+    }
   }
 
   /// Vertices that were moved, to the height above the surface that they had.
@@ -426,6 +461,10 @@ class Improver {
   std::vector<Proposal> proposals_;
   std::vector<Triangle> made_;  ///< by the proposals
   std::vector<bool> touched_;   ///< vertices
+  bool blocked_ = false;        ///< whether a proposal failed as something else was proposed nearby
+  /// Half-edges that cannot be collapsed as long as nothing changes about their starts; vertices
+  /// about which something has, and vertices of triangles that have changed since.
+  std::vector<bool> hopeless_, stale_, changed_;
   std::unordered_set<std::uint64_t> refused_;
 };
 

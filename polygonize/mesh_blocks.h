@@ -28,7 +28,7 @@ class MeshBlocks {
   static constexpr std::size_t kGroup = 8;  ///< blocks
 
   /// From the first block to the last one that has triangles of a vertex.
-  struct Reach {
+  struct alignas(2) Reach {
     std::uint8_t first = 255, last = 0;
 
     void include(const Reach& other) {
@@ -50,30 +50,20 @@ class MeshBlocks {
 
   /// Calls f(t) once for each triangle that is not gone when it is its turn: first, block by block
   /// in parallel, for those whose corners are within the block as deep as that, then group by group
-  /// for those within the group, then for the others one by one, always in ascending order.
+  /// for those within the group, then for those within one half of the groups, then for the others
+  /// one by one, always in ascending order.
   ///
   /// At `inner`, f may move the corners of t and read all triangles at them. At `deep`, it may also
   /// collapse and flip the edges of t: triangles beside them stay within the block, and so do
   /// those of every vertex that they join.
   template <class F>
   void for_each_triangle(Depth depth, const F& f) const {
-    Numbers left(count());
-    tbb::parallel_for(std::size_t{0}, left.size(), [&](std::size_t block) {
-      const std::size_t last = std::min(size_ * (block + 1), mesh_.triangles.size());
-      for (std::size_t t = size_ * block; t < last; ++t) {
-        take_turn(t, depth, 1, left[block], f);
-      }
-    });
-    Numbers between((left.size() + kGroup - 1) / kGroup);
-    tbb::parallel_for(std::size_t{0}, between.size(), [&](std::size_t group) {
-      const std::size_t last = std::min(kGroup * (group + 1), left.size());
-      for (std::size_t block = kGroup * group; block < last; ++block) {
-        for (const std::uint32_t t : left[block]) {
-          take_turn(t, depth, kGroup, between[group], f);
-        }
-      }
-    });
-    for (const auto& of_group : between) {
+    const std::size_t groups = (count() + kGroup - 1) / kGroup;
+    Numbers left = for_each_block(depth, f);
+    left = for_each_group(depth, left, kGroup, kGroup, f);
+    const std::size_t half = (groups + 1) / 2;
+    if (groups > 2) left = for_each_group(depth, left, half, half * kGroup, f);
+    for (const auto& of_group : left) {
       for (const std::uint32_t t : of_group) {
         if (!is_gone(t)) turn_of(t, f);
       }
@@ -82,6 +72,34 @@ class MeshBlocks {
 
  private:
   using Numbers = std::vector<std::vector<std::uint32_t>>;
+
+  /// Returns what is not within its block, block by block.
+  template <class F>
+  Numbers for_each_block(Depth depth, const F& f) const {
+    Numbers later(count());
+    tbb::parallel_for(std::size_t{0}, later.size(), [&](std::size_t block) {
+      const std::size_t last = std::min(size_ * (block + 1), mesh_.triangles.size());
+      for (std::size_t t = size_ * block; t < last; ++t) {
+        take_turn(t, depth, 1, later[block], f);
+      }
+    });
+    return later;
+  }
+
+  /// For what was left of runs of blocks, in runs of so many of those, which are runs of `run`
+  /// blocks; returns what is left of each.
+  template <class F>
+  Numbers for_each_group(Depth depth, const Numbers& left, std::size_t many, std::size_t run,
+                         const F& f) const {
+    Numbers later((left.size() + many - 1) / many);
+    tbb::parallel_for(std::size_t{0}, later.size(), [&](std::size_t group) {
+      const std::size_t last = std::min(many * (group + 1), left.size());
+      for (std::size_t part = many * group; part < last; ++part) {
+        for (const std::uint32_t t : left[part]) take_turn(t, depth, run, later[group], f);
+      }
+    });
+    return later;
+  }
 
   template <class F>
   void take_turn(std::size_t t, Depth depth, std::size_t run, std::vector<std::uint32_t>& later,

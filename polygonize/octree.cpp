@@ -25,17 +25,36 @@ Aabb Octree::box(Index cell) const {
   return {point(low), point(low + Int3{width, width, width})};
 }
 
-Octree::Index Octree::split(Index cell) {
-  require(is_leaf(cell) && cells_[cell].level < kMostLevels, "Octree: no leaf to split");
-  const auto first = static_cast<Index>(cells_.size());
-  Cell child = cells_[cell];
+/// Makes eight cells that are there its children.
+void Octree::set_children(Index leaf, Index first) {
+  Cell& parent = cells_[leaf];
+  Cell child = parent;
   ++child.level;
   const std::int32_t width = std::int32_t{1} << (kMostLevels - child.level);
   for (int i = 0; i < 8; ++i) {
-    cells_.push_back(child);
-    cells_.back().corner = child.corner + width * corner_step(i);
+    child.corner = parent.corner + width * corner_step(i);
+    cells_[first + static_cast<Index>(i)] = child;
   }
-  cells_[cell].children = first;
+  parent.children = first;
+}
+
+Octree::Index Octree::split(Index leaf) {
+  const auto first = static_cast<Index>(cells_.size());
+  require(is_leaf(leaf) && cells_[leaf].level < kMostLevels, "Octree: no leaf to split");
+  cells_.resize(cells_.size() + 8);
+  set_children(leaf, first);
+  return first;
+}
+
+Octree::Index Octree::split(std::span<const Index> leaves) {
+  const auto first = static_cast<Index>(cells_.size());
+  for (const Index leaf : leaves) {
+    require(is_leaf(leaf) && cells_[leaf].level < kMostLevels, "Octree: no leaf to split");
+  }
+  cells_.resize(cells_.size() + 8 * leaves.size());
+  tbb::parallel_for(std::size_t{0}, leaves.size(), [&](std::size_t k) {
+    set_children(leaves[k], first + static_cast<Index>(8 * k));
+  });
   return first;
 }
 
@@ -77,12 +96,14 @@ namespace {
 
 /// The walk of Ju, Losasso, Schaefer and Warren ("Dual contouring of Hermite data", 2002, figure 3)
 /// down to the corners and faces of leaves. Skips groups of cells between which none is wanted, as
-/// skip(cells) tells.
-template <class Skip>
+/// skip(cells) tells. What is found in a cell of a few levels down is handed to take(found), which
+/// may leave it or clear it.
+template <class Skip, class Take>
 class DualWalk {
  public:
   using Index = Octree::Index;
-  DualWalk(const Octree& octree, const Skip& skip) : octree_(octree), skip_(skip) {}
+  DualWalk(const Octree& octree, const Skip& skip, const Take& take)
+      : octree_(octree), skip_(skip), take_(take) {}
 
   DualGrid found;
 
@@ -106,6 +127,7 @@ class DualWalk {
       }
     }
     at_corner(children);
+    if (octree_[cell].level == kParallelLevels) take_(found);
   }
 
  private:
@@ -116,7 +138,7 @@ class DualWalk {
   void each_aside(const DualCell& cells) {
     std::array<DualGrid, 8> parts;
     tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
-      DualWalk walk(octree_, skip_);
+      DualWalk walk(octree_, skip_, take_);
       walk.inside(cells[i]);
       parts[i] = std::move(walk.found);
     });
@@ -193,13 +215,32 @@ class DualWalk {
 
   const Octree& octree_;
   const Skip& skip_;
+  const Take& take_;
 };
 
-template <class Skip>
-DualGrid walk(const Octree& octree, const Skip& skip) {
-  DualWalk<Skip> walk(octree, skip);
+/// What is not taken on the way.
+template <class Skip, class Take>
+DualGrid walk(const Octree& octree, const Skip& skip, const Take& take) {
+  DualWalk<Skip, Take> walk(octree, skip, take);
   walk.inside(0);
   return std::move(walk.found);
+}
+
+void leave(const DualGrid& /*found*/) {}
+
+/// Hands over items in parts of a few, side by side.
+template <class Item>
+void take_in_parts(const std::vector<Item>& items, std::vector<Item> DualGrid::*kind,
+                   const std::function<void(const DualGrid&)>& take) {
+  constexpr std::size_t kPart = 1024;
+  tbb::parallel_for(std::size_t{0}, (items.size() + kPart - 1) / kPart, [&](std::size_t part) {
+    const std::size_t first = kPart * part, last = std::min(first + kPart, items.size());
+    DualGrid some;
+    (some.*kind)
+        .assign(items.begin() + static_cast<std::ptrdiff_t>(first),
+                items.begin() + static_cast<std::ptrdiff_t>(last));
+    take(some);
+  });
 }
 
 }  // namespace
@@ -220,17 +261,28 @@ bool none_marked(const std::vector<bool>& marked, std::span<const Octree::Index>
 }  // namespace
 
 std::vector<DualCell> mixed_dual_cells(const Octree& octree) {
-  return walk(octree, [&](auto cells) { return on_one_side(octree, cells); }).cells;
-}
-
-std::vector<DualCell> mixed_dual_cells(const Octree& octree, const std::vector<bool>& marked) {
-  return walk(octree,
-              [&](auto cells) { return none_marked(marked, cells) || on_one_side(octree, cells); })
+  return walk(
+             octree, [&](auto cells) { return on_one_side(octree, cells); }, leave)
       .cells;
 }
 
-DualGrid dual_grid_around(const Octree& octree, const std::vector<bool>& marked) {
-  return walk(octree, [&](auto cells) { return none_marked(marked, cells); });
+std::vector<DualCell> mixed_dual_cells(const Octree& octree, const std::vector<bool>& marked) {
+  const auto skip = [&](auto cells) {
+    return none_marked(marked, cells) || on_one_side(octree, cells);
+  };
+  return walk(octree, skip, leave).cells;
+}
+
+void for_dual_grid_around(const Octree& octree, const std::vector<bool>& marked,
+                          const std::function<void(const DualGrid&)>& take) {
+  const auto take_and_clear = [&](DualGrid& found) {
+    take(found);
+    found = {};
+  };
+  const DualGrid rest = walk(
+      octree, [&](auto cells) { return none_marked(marked, cells); }, take_and_clear);
+  take_in_parts(rest.cells, &DualGrid::cells, take);
+  take_in_parts(rest.edges, &DualGrid::edges, take);
 }
 
 }  // namespace cs2mesh

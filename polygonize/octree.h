@@ -4,6 +4,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
+#include <span>
 #include <vector>
 
 #include "libfield/base/aabb.h"
@@ -45,12 +47,17 @@ class Octree {
   Vec3d center(Index cell) const { return box(cell).center(); }
 
   /// Cuts a leaf above kMostLevels in eight leaves on its side; returns the first.
-  Index split(Index cell);
+  Index split(Index leaf);
+  /// Cuts leaves, each of them once; returns the first of the first, which those of the others
+  /// follow in order. In parallel.
+  Index split(std::span<const Index> leaves);
   void set_inside(Index leaf, bool inside) { cells_[leaf].inside = inside; }
   /// Tells all cells above the leaves whether they are uniform. Linear.
   void settle_sides();
 
  private:
+  void set_children(Index leaf, Index first);
+
   Vec3d origin_;
   std::array<double, kMostLevels + 1> sides_;  ///< by level
   std::vector<Cell> cells_;
@@ -71,7 +78,7 @@ Int3 meeting_point(const Octree& octree, const DualCell& cell);
 /// face of a dual cell is a face of its neighbour (Schaefer and Warren, "Dual marching cubes:
 /// primal contouring of dual grids", 2004).
 std::vector<DualCell> mixed_dual_cells(const Octree& octree);
-/// Those around which one of the marked cells lies, as dual_grid_around() has it.
+/// Those around which one of the marked cells lies, as for_dual_grid_around() has it.
 std::vector<DualCell> mixed_dual_cells(const Octree& octree, const std::vector<bool>& marked);
 
 /// Two leaves that share a part of a face: the ends of an edge of the dual grid.
@@ -83,9 +90,11 @@ struct DualGrid {
   std::vector<DualEdge> edges;
 };
 
-/// Every corner of leaves within the root around which one of the marked cells lies, and every edge
-/// of the dual grid of which one is an end, once each; `marked` holds for each cell whether a leaf
-/// in it is marked.
-DualGrid dual_grid_around(const Octree& octree, const std::vector<bool>& marked);
+/// Hands over every corner of leaves within the root around which one of the marked cells lies, and
+/// every edge of the dual grid of which one is an end, once each, in parts, from any thread and in
+/// any order; `marked` holds for each cell whether a leaf in it is marked. The grid as a whole
+/// takes more room than the octree.
+void for_dual_grid_around(const Octree& octree, const std::vector<bool>& marked,
+                          const std::function<void(const DualGrid&)>& take);
 
 }  // namespace cs2mesh

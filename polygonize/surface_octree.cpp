@@ -2,9 +2,12 @@
 
 #include <tbb/parallel_for.h>
 
+#include <boost/container/static_vector.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <mutex>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -86,8 +89,9 @@ std::array<Aabb, 8> parts(const Octree& octree, Octree::Index cell) {
   return boxes;
 }
 
-/// How often a box may be halved along all axes before it counts as not proven.
-constexpr int kDepth = 2;
+/// How often a box may be cut before it counts as not proven, and after how many times what is
+/// asked is restricted to what is left of it.
+constexpr int kMostCuts = 4, kRestrictedAfter = 2;
 
 /// Asks whether F changes its sign at most once along every line of a direction in a box: where it
 /// grows along it on the surface in every part of the box, one direction for all.
@@ -100,7 +104,7 @@ struct Grower {
   bool grows_along(const Aabb& box) {
     ++slopes;
     if (surface.least_slope(box, direction) > 0) return true;
-    return grows_in_parts(box);
+    return grows_in_parts(surface, box, 0);
   }
   /// Whether F grows so along some direction; `direction` is its gradient somewhere in the box.
   bool grows_somehow(const Aabb& box) {
@@ -108,31 +112,47 @@ struct Grower {
     const Rise rise = surface.rise(box, direction);
     if (rise.slope > 0) return true;
     direction = rise.direction;
-    return grows_in_parts(box);
+    return grows_in_parts(surface, box, 0);
   }
 
  private:
-  /// Many questions about parts of the box: what is far from it may be settled once.
-  bool grows_in_parts(const Aabb& box) {
-    return grows_in_parts(*surface.restrict_to(box), box, kDepth);
-  }
-
-  bool grows_in_parts(const ImplicitSurface& part, const Aabb& box, int depth) {
-    std::array<Aabb, 8> octants;
-    std::array<Interval, 8> ranges;
-    for (int i = 0; i < 8; ++i) {
-      const Vec3d center = box.center(), corner = box.corner(i);
-      octants[static_cast<std::size_t>(i)] = {min(center, corner), max(center, corner)};
+  /// In halves first, which will do more often than not, then those in quarters, and so on. A few
+  /// questions are cheaper than a restriction; with more, what is far is better settled once.
+  bool grows_in_parts(const ImplicitSurface& part, const Aabb& box, int cuts) {
+    if (cuts == kMostCuts) return false;
+    const std::unique_ptr<const ImplicitSurface> own =
+        cuts == kRestrictedAfter ? part.restrict_to(box) : nullptr;
+    const ImplicitSurface& inner = own ? *own : part;
+    boost::container::static_vector<Aabb, 4> parts;
+    for (const Aabb& half : halves(box)) {
+      if (cuts % 2 == 0) {
+        parts.push_back(half);
+      } else {
+        for (const Aabb& quarter : halves(half)) parts.push_back(quarter);
+      }
     }
-    part.enclose_each(octants, ranges);
-    for (std::size_t i = 0; i < 8; ++i) {
-      if (!may_hold_zero(ranges[i])) continue;
-      if (depth == 0) return false;
+    for (const Aabb& smaller : parts) {
       ++slopes;
-      if (part.least_slope(octants[i], direction) > 0) continue;
-      if (!grows_in_parts(part, octants[i], depth - 1)) return false;
+      if (inner.least_slope(smaller, direction) > 0) continue;
+      if (!grows_in_parts(inner, smaller, cuts + 1)) return false;
     }
     return true;
+  }
+
+  /// Of the longest sides, that which is most along the direction is halved: the surface is likely
+  /// to miss much of one half.
+  std::array<Aabb, 2> halves(const Aabb& box) const {
+    constexpr double kAlmost = 0.9;
+    const Vec3d extent = box.extent();
+    const double longest = std::max({extent.x, extent.y, extent.z});
+    std::size_t axis = 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (extent[k] < kAlmost * longest) continue;
+      if (axis == 3 || std::abs(direction[k]) > std::abs(direction[axis])) axis = k;
+    }
+    std::array<Aabb, 2> found{box, box};
+    found[0].max[axis] = found[1].min[axis] = box.center()[axis];
+    return found;
   }
 };
 
@@ -261,25 +281,37 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
   }
 }
 
-void SurfaceOctree::take(Index cell, const Opened& opened, std::vector<Index>& open) {
-  std::uint32_t number = surface_of_[cell];
-  if (opened.surface) {
-    number = static_cast<std::uint32_t>(surfaces_.size());
-    surfaces_.push_back(opened.surface);
-    surface_boxes_.push_back(opened.surface_box);
+/// Cuts these leaves as they were opened; appends those of their children that are to be cut. Takes
+/// over what was opened.
+void SurfaceOctree::take(std::span<const Index> cells, std::span<Opened> opened,
+                         std::vector<Index>& open) {
+  const auto number = static_cast<std::uint32_t>(surfaces_.size());
+  const Index first = octree_.split(cells);
+  kinds_.resize(octree_.size());
+  jets_.resize(octree_.size());
+  surface_of_.resize(octree_.size());
+  surfaces_.resize(number + cells.size());
+  surface_boxes_.resize(number + cells.size());
+  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t k) {
+    surfaces_[number + k] = std::move(opened[k].surface);
+    surface_boxes_[number + k] = opened[k].surface_box;
+    for (std::size_t i = 0; i < 8; ++i) {
+      const Child& child = opened[k].children[i];
+      const Index index = first + static_cast<Index>(8 * k + i);
+      octree_.set_inside(index, child.inside);
+      kinds_[index] = child.kind;
+      jets_[index] = child.jet;
+      surface_of_[index] = number + static_cast<std::uint32_t>(k);
+    }
+  });
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    for (std::size_t i = 0; i < 8; ++i) {
+      const Child& child = opened[k].children[i];
+      if (child.kind == LeafKind::simple) ++shown_simple_;
+      if (child.cut) open.push_back(first + static_cast<Index>(8 * k + i));
+    }
+    counts_ += opened[k].counts;
   }
-  const Index first = octree_.split(cell);
-  for (std::size_t i = 0; i < 8; ++i) {
-    const Child& child = opened.children[i];
-    const Index index = first + static_cast<Index>(i);
-    octree_.set_inside(index, child.inside);
-    kinds_.push_back(child.kind);
-    if (child.kind == LeafKind::simple) ++shown_simple_;
-    jets_.push_back(child.jet);
-    surface_of_.push_back(number);
-    if (child.cut) open.push_back(index);
-  }
-  counts_ += opened.counts;
 }
 
 bool SurfaceOctree::proves_little() const {
@@ -289,15 +321,20 @@ bool SurfaceOctree::proves_little() const {
 
 /// Cuts these leaves and what is to be cut of them; false if cancelled or too many.
 bool SurfaceOctree::refine(std::vector<Index> cells, const SurfaceOctreeOptions& options) {
+  constexpr std::size_t kAtOnce = 8192;
   while (!cells.empty()) {
     if (octree_.size() + 8 * cells.size() > options.max_cells) return false;
-    std::vector<Opened> opened(cells.size());
-    tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t i) {
-      if (!cancelled(options.progress)) opened[i] = look_into(cells[i], options);
-    });
-    if (cancelled(options.progress)) return false;
     std::vector<Index> next;
-    for (std::size_t i = 0; i < cells.size(); ++i) take(cells[i], opened[i], next);
+    std::vector<Opened> opened(std::min(kAtOnce, cells.size()));
+    for (std::size_t first = 0; first < cells.size(); first += kAtOnce) {
+      const auto some =
+          std::span<const Index>(cells).subspan(first, std::min(kAtOnce, cells.size() - first));
+      tbb::parallel_for(std::size_t{0}, some.size(), [&](std::size_t i) {
+        if (!cancelled(options.progress)) opened[i] = look_into(some[i], options);
+      });
+      if (cancelled(options.progress)) return false;
+      take(some, std::span(opened).first(some.size()), next);
+    }
     if (proves_little()) {
       gave_up_ = true;
       options_.smallest = std::max(options_.smallest, options_.fair_side);
@@ -339,16 +376,16 @@ void SurfaceOctree::choose_largest(std::span<const Index> leaves, double smalles
   }
 }
 
-/// For each cell whether a leaf in it has that number or a higher one.
+/// For each cell whether a leaf in it has that number, the first of some siblings, or a higher one.
 std::vector<bool> SurfaceOctree::with_leaves_from(std::size_t first) const {
-  std::vector<bool> marked(octree_.size(), false);
-  for (std::size_t i = octree_.size(); i-- > 0;) {
+  std::vector<bool> marked(octree_.size(), true);
+  // Children come after their parents.
+  for (std::size_t i = first; i-- > 0;) {
     const auto cell = static_cast<Index>(i);
-    if (octree_.is_leaf(cell)) {
-      marked[i] = i >= first;
-    } else {
-      for (int c = 0; c < 8; ++c) marked[i] = marked[i] || marked[octree_.child(cell, c)];
-    }
+    marked[i] = false;
+    if (octree_.is_leaf(cell)) continue;
+    const Index child = octree_.child(cell, 0);
+    for (Index c = child; c < child + 8 && !marked[i]; ++c) marked[i] = marked[c];
   }
   return marked;
 }
@@ -446,40 +483,34 @@ bool SurfaceOctree::is_crossed_as_told(const DualEdge& edge, Counts& counts) con
   return crossings == (octree_[edge[0]].inside == octree_[edge[1]].inside ? 0 : 1);
 }
 
-/// Asks of each item in parallel whether it is proven; hands those that are not to `fail`, in
-/// order.
-template <class Item, class Proven, class Fail>
-void SurfaceOctree::ask_each(std::span<const Item> items, const SurfaceOctreeOptions& options,
-                             const Proven& proven, const Fail& fail) {
-  constexpr std::size_t kChunk = 256;
-  std::vector<char> good(items.size(), 1);
-  std::vector<Counts> counts((items.size() + kChunk - 1) / kChunk);
-  tbb::parallel_for(std::size_t{0}, counts.size(), [&](std::size_t chunk) {
-    const std::size_t last = std::min(kChunk * (chunk + 1), items.size());
-    for (std::size_t i = kChunk * chunk; i < last && !cancelled(options.progress); ++i) {
-      good[i] = proven(items[i], counts[chunk]) ? 1 : 0;
-    }
-  });
-  for (const Counts& part : counts) counts_ += part;
-  for (std::size_t i = 0; i < items.size(); ++i) {
-    if (good[i] == 0) fail(items[i]);
-  }
-}
-
 /// The largest leaves of dual cells that are not simple, of those around leaves from `first_new`
 /// on, and of edges of theirs that the surface may cross too often.
 std::vector<SurfaceOctree::Index> SurfaceOctree::crowded(std::size_t first_new,
                                                          const SurfaceOctreeOptions& options) {
-  const DualGrid grid = dual_grid_around(octree_, with_leaves_from(first_new));
+  DualGrid failed;
+  std::mutex mutex;
+  for_dual_grid_around(octree_, with_leaves_from(first_new), [&](const DualGrid& part) {
+    Counts counts;
+    DualGrid open;
+    for (const DualCell& cell : part.cells) {
+      if (cancelled(options.progress)) return;
+      if (!is_simple(cell, counts.slopes)) open.cells.push_back(cell);
+    }
+    for (const DualEdge& edge : part.edges) {
+      if (cancelled(options.progress)) return;
+      if (!is_crossed_as_told(edge, counts)) open.edges.push_back(edge);
+    }
+    const std::lock_guard lock(mutex);
+    counts_ += counts;
+    failed.cells.insert(failed.cells.end(), open.cells.begin(), open.cells.end());
+    failed.edges.insert(failed.edges.end(), open.edges.begin(), open.edges.end());
+  });
+  // The same leaves in any order.
   std::vector<bool> chosen(octree_.size(), false);
-  ask_each(
-      std::span<const DualCell>(grid.cells), options,
-      [&](const DualCell& cell, Counts& counts) { return is_simple(cell, counts.slopes); },
-      [&](const DualCell& cell) { choose_largest(cell, options.smallest, chosen); });
-  ask_each(
-      std::span<const DualEdge>(grid.edges), options,
-      [&](const DualEdge& edge, Counts& counts) { return is_crossed_as_told(edge, counts); },
-      [&](const DualEdge& edge) { choose_largest(edge, kBelow * options.smallest, chosen); });
+  for (const DualCell& cell : failed.cells) choose_largest(cell, options.smallest, chosen);
+  for (const DualEdge& edge : failed.edges) {
+    choose_largest(edge, kBelow * options.smallest, chosen);
+  }
   return numbers_of(chosen);
 }
 

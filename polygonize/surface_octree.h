@@ -97,7 +97,7 @@ class SurfaceOctree {
   void judge(Index cell, Opened& opened, const SurfaceOctreeOptions& options) const;
   bool refine(std::vector<Index> cells, const SurfaceOctreeOptions& options);
   bool proves_little() const;
-  void take(Index cell, const Opened& opened, std::vector<Index>& open);
+  void take(std::span<const Index> cells, std::span<Opened> opened, std::vector<Index>& open);
   std::vector<bool> with_leaves_from(std::size_t first) const;
   std::vector<Index> unclear(std::size_t first_new, const SurfaceOctreeOptions& options);
   void choose_largest(std::span<const Index> leaves, double smallest, std::vector<bool>& chosen);
@@ -105,9 +105,6 @@ class SurfaceOctree {
   bool is_simple(const DualCell& cell, std::size_t& slopes) const;
   bool looks_crossed_as_told(const DualEdge& edge) const;
   bool is_crossed_as_told(const DualEdge& edge, Counts& counts) const;
-  template <class Item, class Proven, class Fail>
-  void ask_each(std::span<const Item> items, const SurfaceOctreeOptions& options,
-                const Proven& proven, const Fail& fail);
 
   SurfaceOctreeOptions options_;
   Octree octree_;

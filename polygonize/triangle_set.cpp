@@ -52,10 +52,13 @@ bool TriangleSet::contains(std::uint64_t key) const {
 }
 
 std::vector<std::uint32_t> TriangleSet::others(const TriangleMesh& mesh) const {
-  const std::vector<std::uint64_t> keys = keys_of(mesh);
+  std::vector<char> other(mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, other.size(), [&](std::size_t t) {
+    other[t] = contains(triangle_key(mesh, t)) ? 0 : 1;
+  });
   std::vector<std::uint32_t> found;
-  for (std::size_t t = 0; t < keys.size(); ++t) {
-    if (!contains(keys[t])) found.push_back(static_cast<std::uint32_t>(t));
+  for (std::size_t t = 0; t < other.size(); ++t) {
+    if (other[t] != 0) found.push_back(static_cast<std::uint32_t>(t));
   }
   return found;
 }

@@ -187,7 +187,11 @@ template <class P>
 Reach reach(const Term& term, const P& primitive, const LocalBox& local) {
   const Gap g = gap(term, primitive, local.center, local.half, local.radius);
   Reach r;
-  r.near = std::max(g.near(1.0), box_distance(primitive, local.box) * (1 - 1e-12) - g.slack);
+  r.near = g.near(1.0);
+  // Of boxes that are far beside their size, balls tell enough.
+  if (r.near < local.radius) {
+    r.near = std::max(r.near, box_distance(primitive, local.box) * (1 - 1e-12) - g.slack);
+  }
   r.scale = g.contact + size(primitive);
   r.far = r.scale + local.radius + g.slack;
   // Of p in local coordinates the map leaves an error of its own.

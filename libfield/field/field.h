@@ -80,6 +80,9 @@ class Field final : public ImplicitSurface, public MaterialBlend {
   template <class F>
   void with_log_terms(const Aabb& box, const F& f) const;
   void enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Interval> out) const;
+  bool keeps_sign(const Aabb& box) const;
+  Interval range_in_exponents(const LogTerms& terms, LogSum& sum) const;
+  bool keeps_sign_in_exponents(const LogTerms& terms, LogSum& sum) const;
   double slope_in_exponents(const LogTerms& terms, const LogSum& sum, const Vec3d& direction) const;
   Interval enclose_in_parts(const Aabb& box, const Enclosure& whole) const;
   void enclose_by_near_sum(std::span<const BatchBox> boxes, std::span<Interval> out) const;

@@ -226,14 +226,19 @@ void Field::enclose_in_exponents(std::span<const BatchBox> boxes, std::span<Inte
   require(boxes.empty() || hull.finite(), "enclosures need finite boxes");
   with_log_terms(hull, [&](const LogTerms& terms) {
     for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const Interval log_range = LogSum(terms, boxes[i]).range();
-      // Where an exponent is cut off, F is no less than that.
-      const double least = std::min(log_range.lo, Gaussian::kGreatestExponent);
-      const Interval range(std::exp(least) * (1 - 1e-13),
-                           std::exp(log_range.hi) * (1 + 1e-13) + terms.left_out());
-      out[i] = widened(range - Interval(kThreshold), data_->error_budget);
+      LogSum sum(terms, boxes[i]);
+      out[i] = range_in_exponents(terms, sum);
     }
   });
+}
+
+Interval Field::range_in_exponents(const LogTerms& terms, LogSum& sum) const {
+  const Interval log_range = sum.range();
+  // Where an exponent is cut off, F is no less than that.
+  const double least = std::min(log_range.lo, Gaussian::kGreatestExponent);
+  const Interval range(std::exp(least) * (1 - 1e-13),
+                       std::exp(log_range.hi) * (1 + 1e-13) + terms.left_out());
+  return widened(range - Interval(kThreshold), data_->error_budget);
 }
 
 /// On the surface the terms that matter are T less what was left out, at least.
@@ -244,14 +249,24 @@ double Field::slope_in_exponents(const LogTerms& terms, const LogSum& sum,
   return value * relative - terms.left_out_slope() * norm(direction);
 }
 
+/// Whether the range shows that F keeps its sign.
+bool Field::keeps_sign_in_exponents(const LogTerms& terms, LogSum& sum) const {
+  const Interval range = range_in_exponents(terms, sum);
+  return range.lo > 0 || range.hi < 0;
+}
+
 Rise Field::rise(const Aabb& box, const Vec3d& gradient) const {
   if (!data_->in_exponents) return {gradient, least_slope(box, gradient)};
   require(box.finite(), "rise needs a finite box");
   Rise found;
   with_log_terms(box, [&](const LogTerms& terms) {
-    const LogSum sum(terms, BatchBox(box));
+    LogSum sum(terms, BatchBox(box));
     found = {gradient, slope_in_exponents(terms, sum, gradient)};
     if (found.slope > 0) return;
+    if (keeps_sign_in_exponents(terms, sum)) {
+      found.slope = kInfinity;
+      return;
+    }
     const Vec3d common = norm(gradient) * sum.common_direction();
     const double slope = slope_in_exponents(terms, sum, common);
     if (slope > found.slope) found = {common, slope};
@@ -297,7 +312,9 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   if (data_->in_exponents) {
     double least = -kInfinity;
     with_log_terms(box, [&](const LogTerms& terms) {
-      least = slope_in_exponents(terms, LogSum(terms, one), direction);
+      LogSum sum(terms, one);
+      least = slope_in_exponents(terms, sum, direction);
+      if (!(least > 0) && keeps_sign_in_exponents(terms, sum)) least = kInfinity;
     });
     return least;
   }
@@ -307,6 +324,7 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   if (knows_turn(box)) {
     const double least = least_slope_by_turn(one, direction);
     if (least > 0) return least;
+    if (keeps_sign(box)) return kInfinity;
   }
   std::vector<std::uint32_t> list;
   near_terms(box, list);
@@ -324,6 +342,13 @@ double Field::least_slope(const Aabb& box, const Vec3d& direction) const {
   if (least > 0 || data_->terms.size() == 1) return least;
   // Together the gradients may turn less than each by itself.
   return std::max(least, least_along(enclose_gradient(box), direction));
+}
+
+/// Whether the cheaper enclosure shows that F keeps its sign.
+bool Field::keeps_sign(const Aabb& box) const {
+  Interval range;
+  enclose_each({&box, 1}, {&range, 1});
+  return range.lo > 0 || range.hi < 0;
 }
 
 bool Field::has_cheap_bounds() const {

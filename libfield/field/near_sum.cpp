@@ -18,7 +18,7 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// What a piece may leave open once it is far, in units of T, or of its own size at most.
-constexpr double kFarError = 2e-4, kFarShare = 0.05;
+constexpr double kFarError = 2e-3, kFarShare = 0.1;
 /// Pieces are no larger than that part of their distance.
 constexpr double kPieceSize = 0.75;
 /// What a piece may leave open of its tangent over a box, in units of T, to be known by it.
@@ -361,16 +361,21 @@ Interval exponential(const Interval& log_range) {
 
 void NearSum::enclose(std::span<const BatchBox> boxes, std::span<Interval> out) const {
   const BoxBatch batch(boxes, TaylorOrder::second);
-  std::vector<Vec3d> centers;
+  thread_local std::vector<Vec3d> centers;
+  thread_local std::vector<Parts> parts;
+  thread_local std::vector<Jet> jets;
   std::vector<Sight> sights;
+  sights.reserve(boxes.size());
+  centers.clear();
   for (const BatchBox& box : boxes) {
     centers.push_back(box.center);
     sights.emplace_back(box);
   }
   const BatchBox hull(batch.hull);
   const Sight all(hull);
-  std::vector<Parts> parts(boxes.size());
-  std::vector<Jet> jets(boxes.size());
+  parts.resize(std::max(parts.size(), boxes.size()));
+  for (Parts& part : parts) part.clear();
+  jets.resize(boxes.size());
   for (const Term* term : near_) {
     std::fill(jets.begin(), jets.end(), Jet{});
     accumulate(*term, centers, std::span(jets));

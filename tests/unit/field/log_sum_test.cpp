@@ -274,5 +274,39 @@ TEST(Field, BoundsOfRestrictionsHoldWhatIsSampled) {
   }
 }
 
+/// Beside the ball, within it and across its surface, along every direction.
+TEST(Field, SlopesOfGaussiansAreInfiniteJustWhereNoSurfaceIs) {
+  Random random(5, 1);
+  std::vector<Term> terms{random_term(random, KernelKind::gaussian, 0, 8.0)};
+  terms[0].primitive = Point{};
+  terms[0].frame = frame_of(terms[0].primitive);
+  const Field field(terms, 1e-9);
+  int without = 0, with = 0;
+  for (int round = 0; round < 1000; ++round) {
+    const Aabb box = random_box(random);
+    const auto part = field.restrict_to(box.grown(0.1));
+    const double nearest = box.distance({{}, {}});
+    double farthest = 0.0;
+    for (int i = 0; i < 8; ++i) farthest = std::max(farthest, norm(box.corner(i)));
+    const double radius = field.bounds().max.x;  // of the ball, and a hair more
+    const Vec3d downhill = box.center(), sideways = cross(downhill, random.direction());
+    for (const Vec3d& direction : {downhill, sideways}) {
+      const double least = part->least_slope(box, direction);
+      const double rise = part->rise(box, direction).slope;
+      if (nearest > 1.05 * radius || farthest < 0.95 * radius) {
+        ++without;
+        EXPECT_TRUE(std::isinf(least) && least > 0);
+        EXPECT_TRUE(std::isinf(rise) && rise > 0);
+      } else if (nearest < 0.95 * radius && farthest > 1.05 * radius) {
+        ++with;
+        EXPECT_TRUE(std::isfinite(least));
+        EXPECT_TRUE(std::isfinite(rise));
+      }
+    }
+  }
+  EXPECT_GT(without, 100);
+  EXPECT_GT(with, 100);
+}
+
 }  // namespace
 }  // namespace cs2mesh

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <map>
+#include <mutex>
 #include <set>
 
 #include "libfield/base/check.h"
@@ -38,6 +39,18 @@ Octree random_octree(Random& random, int levels) {
   return octree;
 }
 
+/// All of the dual grid, in any order.
+DualGrid dual_grid_of(const Octree& octree) {
+  DualGrid grid;
+  std::mutex mutex;
+  for_dual_grid_around(octree, std::vector<bool>(octree.size(), true), [&](const DualGrid& part) {
+    const std::lock_guard lock(mutex);
+    grid.cells.insert(grid.cells.end(), part.cells.begin(), part.cells.end());
+    grid.edges.insert(grid.edges.end(), part.edges.begin(), part.edges.end());
+  });
+  return grid;
+}
+
 TEST(Octree, ChildrenFillTheirParent) {
   Octree octree({1, 2, 3}, 8.0);
   const Octree::Index first = octree.split(0);
@@ -47,6 +60,21 @@ TEST(Octree, ChildrenFillTheirParent) {
   EXPECT_EQ(octree.box(deeper), (Aabb{{5, 2, 7}, {7, 4, 9}}));
   EXPECT_EQ(octree.child(first, 3), first) << "of a leaf, itself";
   EXPECT_THROW(octree.split(0), ContractViolation);
+}
+
+TEST(Octree, LeavesCutTogetherAreCutAsOneByOne) {
+  Octree one_by_one({1, 2, 3}, 8.0), together = one_by_one;
+  const Octree::Index first = one_by_one.split(0);
+  together.split(0);
+  const std::vector<Octree::Index> leaves{first + 6, first, first + 3};
+  for (const Octree::Index leaf : leaves) one_by_one.split(leaf);
+  EXPECT_EQ(together.split(leaves), first + 8);
+  ASSERT_EQ(together.size(), one_by_one.size());
+  for (Octree::Index cell = 0; cell < together.size(); ++cell) {
+    EXPECT_EQ(together.box(cell), one_by_one.box(cell));
+    EXPECT_EQ(together.child(cell, 5), one_by_one.child(cell, 5));
+  }
+  EXPECT_THROW(together.split(leaves), ContractViolation);
 }
 
 TEST(Octree, SidesSettleUpwards) {
@@ -65,8 +93,7 @@ TEST(Octree, AnEvenTreeHasTheDualCellsOfALattice) {
   for (Octree::Index cell = 0; cell < octree.size(); ++cell) {
     if (octree[cell].level < 3) octree.split(cell);
   }
-  const std::vector<bool> all(octree.size(), true);
-  const std::vector<DualCell> cells = dual_grid_around(octree, all).cells;
+  const std::vector<DualCell> cells = dual_grid_of(octree).cells;
   EXPECT_EQ(cells.size(), 343U);  // the inner nodes of 8^3 cells
   for (const DualCell& cell : cells) {
     const Vec3d middle = octree.point(meeting_point(octree, cell));
@@ -116,8 +143,7 @@ TEST(Octree, EveryCornerOfLeavesHasOneDualCell) {
         if (inner) corners.insert({at.x, at.y, at.z});
       }
     }
-    const std::vector<DualCell> cells =
-        dual_grid_around(octree, std::vector<bool>(octree.size(), true)).cells;
+    const std::vector<DualCell> cells = dual_grid_of(octree).cells;
     EXPECT_EQ(cells.size(), corners.size());
     for (const DualCell& cell : cells) {
       const Int3 at = meeting_point(octree, cell);
@@ -141,9 +167,9 @@ TEST(Octree, LeavesThatShareAPartOfAFaceHaveOneDualEdge) {
       if (octree.is_leaf(b) && share_a_face(a, b)) ++expected;
     }
   }
-  const std::vector<bool> all(octree.size(), true);
+  const DualGrid grid = dual_grid_of(octree);
   std::set<DualEdge> found;
-  for (const auto& [a, b] : dual_grid_around(octree, all).edges) {
+  for (const auto& [a, b] : grid.edges) {
     EXPECT_TRUE(share_a_face(a, b));
     EXPECT_TRUE(found.insert({std::min(a, b), std::max(a, b)}).second);
   }
@@ -154,8 +180,8 @@ TEST(Octree, MixedDualCellsAreThoseWithBothSides) {
   Random random(4, 1);
   const Octree octree = random_octree(random, 4);
   std::size_t mixed = 0;
-  const std::vector<bool> all(octree.size(), true);
-  for (const DualCell& cell : dual_grid_around(octree, all).cells) {
+  const DualGrid grid = dual_grid_of(octree);
+  for (const DualCell& cell : grid.cells) {
     const unsigned inside = inside_corners(octree, cell);
     if (inside != 0 && inside != 0xff) ++mixed;
   }
