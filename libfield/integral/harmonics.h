@@ -1,7 +1,7 @@
 // Polynomials of three variables as sums of |x|^2j times a solid harmonic: what the series of far
 // sources are gathered as (place_harmonics.h), since to a source belongs one factor by degree of
-// the polynomial and of the harmonic, and one value of each harmonic; a third of the steps that
-// powers of its coordinates would take.
+// the polynomial and of the harmonic, and one value of each harmonic: two fifths of the
+// sums that powers of its coordinates would take.
 //
 // The harmonics of degree l are, up to factors, r^l P_l^m(cos theta) cos m phi, and sin m phi; here
 // the power of z in them that is not multiplied by x^2 + y^2 + z^2 has the factor 1:
@@ -68,7 +68,7 @@ constexpr double harmonic_step(int l, int m) {
 /// The factors of N_lm |x|^2j Q_lm(x), all of l + 2j <= kTaylorOrder.
 using HarmonicSums = std::array<double, kSeriesSize>;
 
-/// Adds that polynomial to a series. Cost: some microseconds.
+/// Adds that polynomial to a series. Cost: some microseconds; a millisecond the first time.
 void add_harmonics(const HarmonicSums& sums, Series& series);
 
 }  // namespace cs2mesh
