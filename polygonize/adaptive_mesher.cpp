@@ -26,8 +26,8 @@ constexpr double kAims[] = {1.0, 0.6, 0.35};
 constexpr int kMostAttempts = 6, kMostCuts = 3;
 constexpr std::size_t kMostPairs = 10'000;  ///< of triangles that cross
 /// The part of the tolerance that triangles are refined to where what the mesh misses is found by
-/// chance.
-constexpr double kRefinedBlindly = 0.88;
+/// chance; up to the second it does not matter how near they are.
+constexpr double kRefinedBlindly = 0.88, kSurely = 0.8;
 /// Remeshing aims as much lower there: triangles that are split for little are thin and many.
 constexpr double kBlindAim = 0.85;
 
@@ -85,8 +85,8 @@ class Adaptive {
               (request_.min_feature > 0 ||
                open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
     if (provable_ && !proven_) {
-      lattice_.emplace(mesh_by_lattice(surface_, request_));
-      if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
+      Result<MesherResult> lattice = mesh_on_cells(surface_, request_, {});
+      if (lattice && lattice->reached) return lattice;
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       options.coarseness = kCloseLook;
       tree = SurfaceOctree::build(surface_, options);
@@ -120,7 +120,7 @@ class Adaptive {
     }
     const double enough = (provable_ ? 1.0 : kAcceptedPart) * request_.tolerance;
     if (best.error > enough) {
-      Result<MesherResult> other = by_lattice();
+      Result<MesherResult> other = mesh_by_lattice(surface_, request_);
       if (!other && !(best.error < HUGE_VAL)) return other;
       if (other && other->error < best.error) return other;
     }
@@ -159,12 +159,6 @@ class Adaptive {
                     Failure::limit);
   }
 
-  /// What the lattice mesher makes of it.
-  Result<MesherResult> by_lattice() {
-    if (!lattice_) lattice_.emplace(mesh_by_lattice(surface_, request_));
-    return *std::move(lattice_);
-  }
-
   /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
   /// cross; `untangle` looks for that from the beginning, which is dear.
   MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, double aim, bool untangle) {
@@ -191,7 +185,9 @@ class Adaptive {
     }
     if (!proven_ && result.error < HUGE_VAL) {
       begin("measure");
-      const GradientEstimate estimate(0.4 * request_.tolerance, kSmall * request_.tolerance);
+      const double tolerance = request_.tolerance;
+      const GradientEstimate estimate(0.4 * tolerance, kSmall * tolerance, kSurely * tolerance,
+                                      request_.progress);
       result.error = std::max(result.error, estimate.largest_distance(surface_, result.mesh));
       log_.jets += result.mesh.triangles.size();
     }
@@ -250,9 +246,8 @@ class Adaptive {
   const ImplicitSurface& surface_;
   const MesherRequest& request_;
   AdaptiveStatistics& log_;
-  bool provable_ = false;                        ///< bounds are cheap
-  bool proven_ = false;                          ///< and hardly a leaf of the octree is open
-  std::optional<Result<MesherResult>> lattice_;  ///< what the lattice mesher makes, if tried
+  bool provable_ = false;  ///< bounds are cheap
+  bool proven_ = false;    ///< and hardly a leaf of the octree is open
   std::optional<BothWays> both_ways_;
   double smallest_cell_ = 0.0;
   std::vector<Vec3d> trouble_;  ///< points where the last attempt went wrong

@@ -40,7 +40,8 @@ void find_again(std::span<LostPoint> points, const TriangleMesh& mesh) {
   const ClosestPoint tree(mesh);
   for (LostPoint& point : points) {
     const ClosestPoint::Hit hit = tree.nearest(point.on_surface);
-    point.on_mesh = hit.point;
+    // Equal are those of which no surface is known (insert_points.h).
+    if (point.on_mesh != point.on_surface) point.on_mesh = hit.point;
     point.triangle = hit.triangle;
   }
 }

@@ -50,13 +50,12 @@ class DualSurface {
                                                 std::vector<Index>& beside) const;
 
  private:
+  class Cutting;
   void add_plain(const DualCell& cell, const CellCase& cut);
   void add_split(const DualCell& cell, unsigned inside, Index middle);
   Index vertex_between(Index a, Index b);
   Index vertex_at_middle(Index leaf, Index middle);
   void add_polygon(std::span<const Index> vertices);
-  template <class F>
-  void for_each_polygon(const F& f) const;
 
   const Octree& octree_;
   std::vector<DualCell> cells_;

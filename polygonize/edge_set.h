@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -9,7 +10,8 @@
 
 namespace cs2mesh {
 
-/// Open addressing with linear probing. A pair of different vertices has no direction.
+/// Open addressing with linear probing. A pair of different vertices has no direction. Any number
+/// of threads may insert at once, and any number may ask at once, but not both.
 class EdgeSet {
  public:
   /// Room for `count` edges without growing.
@@ -25,9 +27,12 @@ class EdgeSet {
   /// No more than `count` different ones in all.
   void insert(std::uint32_t a, std::uint32_t b) {
     const std::uint64_t key = key_of(a, b);
-    std::size_t i = place(key);
-    while (slots_[i] != kFree && slots_[i] != key) i = next(i);
-    slots_[i] = key;
+    for (std::size_t i = place(key);; i = next(i)) {
+      const std::atomic_ref<std::uint64_t> slot(slots_[i]);
+      std::uint64_t held = slot.load(std::memory_order_relaxed);
+      if (held == kFree) slot.compare_exchange_strong(held, key, std::memory_order_relaxed);
+      if (held == kFree || held == key) return;
+    }
   }
 
  private:

@@ -171,12 +171,15 @@ class Measurer {
   }
 
   void want_more() {
-    constexpr double kDoubt = 0.5;  // of the tolerance
+    constexpr double kDoubt = 0.5, kLarge = 0.7;  // of the tolerance
     for (std::size_t i = 0; i < records_.size(); ++i) {
       const Record& record = records_[i];
       if (record.done || !record.first) continue;
-      const Look closely = look_of(mesh_, triangles_[i], *record.first, record.most,
-                                   kDoubt * options_.tolerance, options_.small);
+      Look closely = look_of(mesh_, triangles_[i], *record.first, record.most,
+                             kDoubt * options_.tolerance, options_.small);
+      // The surface is not as told and nearly too far: as beside a kink, it may be farther
+      // anywhere.
+      if (record.most > kLarge * options_.tolerance) closely = Look::all_over;
       for (const Vec3d& p : more_points(mesh_, triangles_[i], closely)) want(i, p);
     }
   }

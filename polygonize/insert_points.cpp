@@ -25,6 +25,7 @@ class Inserter {
 
   bool insert(const LostPoint& lost) {
     if (changed_[lost.triangle] != 0) return false;
+    if (lost.on_surface == lost.on_mesh) return false;
     const std::array<double, 3> weight = barycentric(lost.triangle, lost.on_mesh);
     const auto least =
         static_cast<std::size_t>(std::min_element(weight.begin(), weight.end()) - weight.begin());

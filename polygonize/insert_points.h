@@ -13,8 +13,9 @@ namespace cs2mesh {
 
 /// Joins points of the surface to the triangles that miss them, the farthest first, as tents over
 /// the triangle or over one of its edges. A point is left out where another has been joined to the
-/// same triangle, and where its tent would be folded onto a neighbour (fold.h). The mesh stays
-/// closed, oriented and 2-manifold. Returns the numbers of the points joined.
+/// same triangle, where its tent would be folded onto a neighbour (fold.h), and where it is the
+/// point of the mesh, since no surface was found from there. The mesh stays closed, oriented and
+/// 2-manifold. Returns the numbers of the points joined.
 ///
 /// Not promised: that tents do not run into other parts of the mesh.
 std::vector<std::size_t> insert_points(const ImplicitSurface& surface, TriangleMesh& mesh,

@@ -29,8 +29,10 @@ void smooth(const ImplicitSurface& surface, TriangleMesh& mesh, const std::vecto
   }
   for (Index v = 0; v < marked.size(); ++v) {
     if (!marked[v]) continue;
-    const Foot foot = find_foot(surface, sum[v] / count[v], reach);
-    mesh.positions[v] = foot.point;
+    const Vec3d middle = sum[v] / count[v];
+    const Vec3d foot = find_foot(surface, middle, reach).point;
+    // Where no foot is found it is the middle itself.
+    if (foot != middle) mesh.positions[v] = foot;
   }
 }
 

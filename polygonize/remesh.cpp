@@ -236,14 +236,14 @@ class Remesher {
   }
 
   /// Puts a vertex where the jet at `point` says that the surface is; returns the length of the
-  /// way.
+  /// way. (At the edge of a support the logarithm makes short steps too, far from the surface.)
   double place(Index v, const Vec3d& point, const Jet& jet) {
     const double slope = norm_of_any(jet.gradient);
     if (!(slope > 0)) return kInfinity;
     normals_[v] = -1.0 / slope * jet.gradient;
     const Vec3d step = bounded(-leveled(jet.value) / slope * normals_[v], v);
     mesh_.move_vertex(v, point - step);
-    return norm(step);
+    return std::max(norm(step), norm(bounded(jet.value / slope * normals_[v], v)));
   }
 
   double side_at(Index v) const { return tree_.octree().side(tree_.octree()[leaf_of_[v]].level); }

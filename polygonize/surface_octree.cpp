@@ -250,6 +250,10 @@ void SurfaceOctree::judge(Index cell, Opened& opened, const SurfaceOctreeOptions
   const double side = octree_.side(octree_[cell].level + 1);
   const bool may_cut =
       side >= 2 * options.smallest && octree_[cell].level + 1 < Octree::kMostLevels;
+  if (octree_[cell].level + 1 < kLeastLevel && may_cut) {
+    for (Child& child : opened.children) child.cut = child.kind != LeafKind::empty;
+    return;
+  }
   const Vec3d middle = octree_.center(cell);
   const Vec3d parent_normal = way_up(*opened.surface, octree_.box(cell), jets_[cell]);
   std::array<Vec3d, 8> normals{};

@@ -26,7 +26,13 @@ constexpr std::size_t kWave = 256;
 struct Sample {
   double distance = 0.0;  ///< to the first order
   Vec3d point;
+  Vec3d way;  ///< towards the surface, as the gradient tells; a unit vector, or 0
 };
+
+Vec3d way_of(const Jet& jet) {
+  const double slope = norm_of_any(jet.gradient);
+  return slope > 0 ? (jet.value >= 0 ? -1.0 : 1.0) * (jet.gradient / slope) : Vec3d{};
+}
 
 /// Appends samples at points of the mesh that are near each other, with first-order distances no
 /// larger than the box around them, and gives their jets.
@@ -37,7 +43,7 @@ std::vector<Jet> append_samples(const ImplicitSurface& surface, std::span<const 
   std::vector<Jet> jets(points.size());
   if (!points.empty()) surface.restrict_to(box)->jets(points, jets);
   for (std::size_t i = 0; i < points.size(); ++i) {
-    samples.push_back({first_order_distance(jets[i], box.diagonal()), points[i]});
+    samples.push_back({first_order_distance(jets[i], box.diagonal()), points[i], way_of(jets[i])});
   }
   return jets;
 }
@@ -63,10 +69,19 @@ std::vector<Sample> sample_triangles(const ImplicitSurface& surface, const Trian
   return samples;
 }
 
+/// Whether there is surface within that distance of a sample, at least where the gradient points.
+bool is_near(const ImplicitSurface& surface, const Sample& sample, double distance) {
+  const Vec3d ends[] = {sample.point, sample.point + distance * sample.way};
+  double values[2];
+  surface.values(ends, values);
+  return (values[0] >= 0) != (values[1] >= 0);
+}
+
 /// An upper bound of the distance of the surface from a sample, the first that is no more than
 /// `enough`. Between near sheets the way along the gradient may pass the nearer one.
 double distance_from(const ImplicitSurface& surface, const Sample& sample, double enough) {
   constexpr double kMuchFarther = 1.1;
+  if (enough > 0 && is_near(surface, sample, enough)) return enough;
   const double distance = find_foot(surface, sample.point, sample.distance, enough).distance;
   if (distance <= enough) return distance;
   if (distance <= kMuchFarther * sample.distance) return distance;
@@ -77,12 +92,14 @@ double distance_from(const ImplicitSurface& surface, const Sample& sample, doubl
 /// The largest distance of these samples, if that is more than `largest`. The first order errs far
 /// from the surface, near creases and between walls: looks closely at the farthest, until none of
 /// the others can be farther than what was found.
-double farthest_of(const ImplicitSurface& surface, std::vector<Sample> samples, double largest) {
+double farthest_of(const ImplicitSurface& surface, std::vector<Sample> samples, double largest,
+                   Progress* progress) {
   constexpr std::size_t kBatch = 256;
   std::stable_sort(samples.begin(), samples.end(),
                    [](const Sample& a, const Sample& b) { return a.distance > b.distance; });
   std::vector<double> distances(kBatch);
-  for (std::size_t first = 0; first < samples.size() && samples[first].distance > largest;
+  for (std::size_t first = 0;
+       first < samples.size() && samples[first].distance > largest && !cancelled(progress);
        first += kBatch) {
     const std::size_t count = std::min(kBatch, samples.size() - first);
     tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
@@ -98,8 +115,9 @@ double farthest_of(const ImplicitSurface& surface, std::vector<Sample> samples, 
 /// within the second: both look at some points only.
 constexpr double kAim = 0.9, kAccept = 0.96;
 
-/// From this share of the tolerance on, a place is looked at more closely.
-constexpr double kCloser = 0.4;
+/// From this share of the tolerance on, a place is looked at more closely; up to this one it does
+/// not matter how near it is.
+constexpr double kCloser = 0.4, kSurely = 0.8;
 
 }  // namespace
 
@@ -117,8 +135,8 @@ Diagnostic tolerance_missed(double tolerance, double error, double cell) {
 double GradientEstimate::largest_distance(const ImplicitSurface& surface,
                                           const TriangleMesh& mesh) const {
   const std::size_t count = mesh.triangles.size();
-  double largest = 0.0;
-  for (std::size_t wave = 0; wave < count; wave += kWave * kChunk) {
+  double largest = enough_;
+  for (std::size_t wave = 0; wave < count && !cancelled(progress_); wave += kWave * kChunk) {
     const std::size_t end = std::min(wave + kWave * kChunk, count);
     std::vector<std::vector<Sample>> chunks((end - wave + kChunk - 1) / kChunk);
     tbb::parallel_for(std::size_t{0}, chunks.size(), [&](std::size_t i) {
@@ -128,7 +146,7 @@ double GradientEstimate::largest_distance(const ImplicitSurface& surface,
     });
     std::vector<Sample> samples;
     for (const auto& chunk : chunks) samples.insert(samples.end(), chunk.begin(), chunk.end());
-    largest = farthest_of(surface, std::move(samples), largest);
+    largest = farthest_of(surface, std::move(samples), largest, progress_);
   }
   return largest;
 }
@@ -183,7 +201,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   require(options.most_attempts >= 1, "mesh_to_tolerance: at least one attempt");
   constexpr double kSmaller = 0.75;
   const double enough = kAim * tolerance;
-  const GradientEstimate gradient(kCloser * enough, tolerance);
+  const GradientEstimate gradient(kCloser * enough, tolerance, kSurely * tolerance,
+                                  options.progress);
   const DistanceEstimate& estimate = options.estimate != nullptr ? *options.estimate : gradient;
 
   BothWays both_ways(surface, {enough, tolerance, options.surface_samples, options.max_triangles,
@@ -215,6 +234,9 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
     if (options.progress != nullptr) options.progress->report("measure", 0.0);
     const double error =
         std::max({back, statistics.off_surface, estimate.largest_distance(surface, *mesh)});
+    if (cancelled(options.progress)) {
+      return error_at({}, "interrupted", Failure::interrupted);
+    }
     const bool better = best.attempts.empty() || error < best.error;
     best.attempts.push_back({cell, error, mesh->triangles.size()});
     if (better) {
@@ -247,7 +269,10 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
 }
 
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
-  return mesh_on_cells(surface, request, {});
+  constexpr int kPatience = 7;
+  ToleranceOptions options;
+  options.most_attempts = kPatience;
+  return mesh_on_cells(surface, request, options);
 }
 
 }  // namespace cs2mesh

@@ -27,16 +27,18 @@ class DistanceEstimate {
 /// triangle with its corners on a sphere is farthest from it, and at seven more where that is more
 /// than `closer` and at all of triangles smaller than `small`; at the farthest of them the distance
 /// proper. One gradient a triangle or a little more. Blind to pieces of surface that the mesh
-/// misses.
+/// misses. Distances up to `enough` count as that, so that no more needs to be known of them:
+/// beside walls the first order says little. Cancelled, it tells of what it has seen.
 class GradientEstimate final : public DistanceEstimate {
  public:
   explicit GradientEstimate(double closer = std::numeric_limits<double>::infinity(),
-                            double small = 0.0)
-      : closer_(closer), small_(small) {}
+                            double small = 0.0, double enough = 0.0, Progress* progress = nullptr)
+      : closer_(closer), small_(small), enough_(enough), progress_(progress) {}
   double largest_distance(const ImplicitSurface& surface, const TriangleMesh& mesh) const override;
 
  private:
-  double closer_, small_;
+  double closer_, small_, enough_;
+  Progress* progress_;
 };
 
 /// A way of meshing a surface on cells of one size; as mesh_lattice(), but that it may also fail
@@ -105,7 +107,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
 /// The same as meshers() are asked and answer (mesher.h); their limits replace those of `options`.
 Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherRequest& request,
                                    ToleranceOptions options);
-/// With the lattice mesher.
+/// With the lattice mesher, on up to seven lattices: beside walls and kinks of F triangles cross
+/// until cells are as small as what is between those, and there is no other way.
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request);
 
 }  // namespace cs2mesh

@@ -26,7 +26,7 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Terms of a far field below this do not colour a point.
 constexpr double kLeastShare = 1e-4;
 /// A restriction looks through so few terms one by one; more are found in the tree of all.
-constexpr std::size_t kFewCandidates = 64;
+constexpr std::size_t kFewCandidates = 1024;
 
 /// The number of blocks along the diagonal of the bounds: enough that a block holds few terms.
 double blocks_along_diagonal(std::size_t terms) {
@@ -258,7 +258,6 @@ void Field::near_terms(const Aabb& box, std::vector<std::uint32_t>& found) const
 
 template <class Out>
 void Field::evaluate(std::span<const Vec3d> points, std::span<Out> out) const {
-  const BlockLattice& lattice = data_->lattice;
   const auto add = [&](const std::vector<std::uint32_t>& list, std::size_t first, std::size_t n) {
     add_terms<Out>(*data_, list, points.subspan(first, n), out.subspan(first, n));
   };
@@ -269,15 +268,9 @@ void Field::evaluate(std::span<const Vec3d> points, std::span<Out> out) const {
   // Each run of points in one block shares that block's list.
   std::vector<std::uint32_t> list;
   for (std::size_t first = 0; first < points.size();) {
-    const bool covered = lattice.covers(points[first]);
-    const Aabb block =
-        covered ? lattice.block(points[first])
-                : Aabb{{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+    const Aabb block = data_->block_around(points[first]);
     std::size_t last = first + 1;
-    while (last < points.size() && lattice.covers(points[last]) == covered &&
-           (!covered || lattice.block(points[last]) == block)) {
-      ++last;
-    }
+    while (last < points.size() && data_->block_around(points[last]) == block) ++last;
     near_terms(block, list);
     add(list, first, last - first);
     first = last;
@@ -322,8 +315,10 @@ std::unique_ptr<ImplicitSurface> Field::restrict_to(const Aabb& box) const {
   part->box_ = box;
   const BlockLattice& lattice = data_->lattice;
   if (!lattice.covers(box.min) || !lattice.covers(box.max)) {
-    near_terms({{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}},
-               part->candidates_);
+    Aabb around = data_->block_around(box.min);
+    around.include(data_->block_around(box.max));
+    if (around.finite()) around.include(lattice.snapped(box));
+    near_terms(around, part->candidates_);
     return part;
   }
   const Aabb blocks = lattice.snapped(box);

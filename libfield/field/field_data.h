@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -17,7 +18,7 @@ namespace cs2mesh {
 /// The value at the surface, T.
 inline constexpr double kThreshold = 1.0;
 
-/// The block lattice spans the bounds of the surface; beyond it, every term counts.
+/// The block lattice spans the bounds of the surface.
 struct BlockLattice {
   Aabb domain;
   double edge = 1.0;
@@ -63,6 +64,16 @@ struct FieldData {
   bool positive = false;      ///< no term is subtracted
   BoxTree reach;              ///< where each plain term's influence exceeds its share of the budget
   BlockLattice lattice;
+
+  /// The box whose terms count at a point. Beyond the lattice that is all of space if there are
+  /// few, or else the point.
+  Aabb block_around(const Vec3d& p) const {
+    constexpr std::size_t kFew = 1024;
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    if (lattice.covers(p)) return lattice.block(p);
+    if (plain_count > kFew) return {p, p};
+    return {{-kInfinity, -kInfinity, -kInfinity}, {kInfinity, kInfinity, kInfinity}};
+  }
 };
 
 /// Adds the terms of `list`, in ascending order, at each of the points.

@@ -25,11 +25,24 @@ double farthest(const Aabb& box, const Aabb& other) {
   return both.diagonal();
 }
 
+/// The distance from a point to the farthest one of a box.
+double farthest(const Aabb& box, const Vec3d& point) {
+  return norm(max(point - box.min, box.max - point));
+}
+
+/// An upper bound of the exponent of a point over a box.
+double greatest_exponent(const Term& term, const Vec3d& point, const Aabb& box) {
+  constexpr double kRounding = 1e-13;
+  const auto& kernel = std::get<Gaussian>(term.kernel);
+  const double d = kernel.a * box.distance(point);
+  const double lost = d * d;
+  return kernel.log_amplitude - lost + kRounding * (std::abs(kernel.log_amplitude) + lost + 1);
+}
+
 /// A lower bound of the distance of a primitive from a box: of slanted ones their own boxes know
 /// little.
 double least_distance(const Term& term, const Aabb& box) {
   const double of_box = box.distance(skeleton_box(term));
-  if (std::holds_alternative<Point>(term.primitive)) return of_box;
   const double of_center =
       std::visit([&](const auto& p) { return distance(p, box.center()); }, term.primitive);
   return std::max(of_box, of_center * (1 - 1e-12) - 0.5 * box.diagonal() * (1 + 1e-12));
@@ -54,16 +67,24 @@ LogTerms::LogTerms(std::span<const Term> terms, std::span<const std::uint32_t> l
                    const Aabb& box, double share)
     : terms_(terms) {
   const double least = share / static_cast<double>(std::max<std::size_t>(list.size(), 1));
+  const double least_exponent = std::log(least);
   std::vector<std::uint32_t> points;
   for (const std::uint32_t index : list) {
     const Term& term = terms[index];
+    if (const auto* point = std::get_if<Point>(&term.primitive)) {
+      const double exponent = greatest_exponent(term, point->position, box);
+      if (exponent > least_exponent) {
+        points.push_back(index);
+      } else {
+        leave_out(std::exp(exponent), bend_of(term) * farthest(box, point->position));
+      }
+      continue;
+    }
     const Aabb skeleton = skeleton_box(term);
     const double most = magnitude_bound(term, least_distance(term, box));
     if (most <= least) {
       // |grad phi| <= 2 a^2 times the distance of the farthest element.
       leave_out(most, bend_of(term) * farthest(box, skeleton));
-    } else if (std::holds_alternative<Point>(term.primitive)) {
-      points.push_back(index);
     } else {
       others_.push_back(index);
     }

@@ -30,13 +30,10 @@ constexpr double kSmallest = 1e-200;
 /// The part of a finite support beyond which a kernel's logarithm bends too much.
 constexpr double kEdge = 0.97;
 
-/// Whether the term can be known in the exponent where it is not near an edge.
-bool may_have_exponent(const Term& term) {
+/// Whether the term is small and smooth where it is far.
+bool is_tame(const Term& term) {
   constexpr double kMostAmplitude = 500.0, kMostCondition = 1e4;
-  if (!term.profiles.empty() || std::holds_alternative<Plane>(term.primitive) ||
-      std::holds_alternative<TaperedSegment>(term.primitive)) {
-    return false;
-  }
+  if (!term.profiles.empty() || std::holds_alternative<Plane>(term.primitive)) return false;
   if (const auto* gaussian = std::get_if<Gaussian>(&term.kernel)) {
     if (!(gaussian->log_amplitude < kMostAmplitude)) return false;
   }
@@ -44,17 +41,37 @@ bool may_have_exponent(const Term& term) {
   return triangle == nullptr || condition_number(*triangle) < kMostCondition;
 }
 
+bool is_tapered(const Term& term) {
+  return std::holds_alternative<TaperedSegment>(term.primitive);
+}
+
+/// Whether the term can be known in the exponent where it is not near an edge.
+bool may_have_exponent(const Term& term) {
+  return is_tame(term) && !is_tapered(term);
+}
+
+/// Whether it can be known by a polynomial where it is far. (Where weights are of both signs, its
+/// rounding is not that of its value.)
+bool may_be_far(const Term& term) {
+  const auto* tapered = std::get_if<TaperedSegment>(&term.primitive);
+  if (tapered != nullptr) {
+    const SegmentWeight& w = tapered->weight;
+    return is_tame(term) && std::min({w.b0, w.b1, w.b2}) >= 0;
+  }
+  return is_tame(term);
+}
+
 }  // namespace
 
 bool has_near_bounds(const Term& term) {
   const bool reaches_everywhere =
       std::visit([](const auto& kernel) { return std::isinf(kernel.support()); }, term.kernel);
-  return may_have_exponent(term) &&
-         (reaches_everywhere || std::holds_alternative<Point>(term.primitive));
+  return is_tame(term) && (reaches_everywhere || std::holds_alternative<Point>(term.primitive));
 }
 
 bool has_cheap_near_bounds(const Term& term) {
-  return has_near_bounds(term) && !std::holds_alternative<Triangle>(term.primitive);
+  return has_near_bounds(term) && !is_tapered(term) &&
+         !std::holds_alternative<Triangle>(term.primitive);
 }
 
 namespace {
@@ -204,11 +221,11 @@ struct NearSum::Builder {
     const Place place = visit_pair(term, [&](const auto& kernel, const auto& primitive) {
       const Reach r = reach(term, primitive, local);
       if (r.near > kernel.support()) return Place::nowhere;
-      if (!may_have_exponent(term)) return Place::other;
-      if (is_far(kernel, primitive, local, r)) {
+      if (may_be_far(term) && is_far(kernel, primitive, local, r)) {
         add_far(term, kernel, primitive, local, r);
         return Place::far;
       }
+      if (!may_have_exponent(term)) return Place::other;
       const double from = std::max(r.near + local.radius, 0.5 * kernel.length_scale());
       const bool large = size(primitive) > kPieceSize * from;
       return large && can_be_halved(term) && from > 0 ? Place::cut : Place::near;

@@ -26,10 +26,12 @@
 namespace cs2mesh {
 
 /// Whether a sum of a few such terms is best bounded as a NearSum: without profiles, of a kernel
-/// that reaches everywhere over a segment, an arc or a triangle that is no sliver, or of any over a
-/// point. (Near the edges of supports, all the pieces of others would be bounded one by one.)
+/// that reaches everywhere over a segment, tapered or not, an arc or a triangle that is no sliver,
+/// or of any over a point. (Near the edges of supports, all the pieces of others would be bounded
+/// one by one.)
 bool has_near_bounds(const Term& term);
-/// Whether sums of thousands are cheap, too: not of triangles, which are cut into too many pieces.
+/// Whether sums of thousands are cheap, too: not of triangles, which are cut into too many pieces,
+/// nor of tapered segments, which are bounded one by one.
 bool has_cheap_near_bounds(const Term& term);
 
 /// Immutable.

@@ -3,6 +3,7 @@
 
     tests/contract/independent.py SCENE.art MESH.obj [--samples N] [--seed S] [--json]
     tests/contract/independent.py SCENE.art --topology N      counts on a grid of N cells a side
+        [--within X Y Z X Y Z]                                of that box alone
     tests/contract/independent.py SCENE.art --values          "x y z" a line on stdin: the field
 
 To the surface: random points of triangles are led along the gradient until the field is 1; where
@@ -263,10 +264,12 @@ class Surroundings:
         return inside
 
 
-def topology(field, cells):
+def topology(field, cells, within=None):
     """(components, hollows, tunnels) of the union of closed cubes around the nodes inside."""
     surroundings = Surroundings(field)
     low, high = surroundings.low, surroundings.high
+    if within:
+        low, high = np.array(within[:3]), np.array(within[3:])
     side = (high - low).max() / cells
     shape = np.ceil((high - low) / side).astype(int) + 1
     inside = np.zeros(shape + 2, bool)
@@ -313,7 +316,7 @@ def measure(field, vertices, faces, samples, seed):
 
 def print_topology(field, options):
     try:
-        found = topology(field, options.topology)
+        found = topology(field, options.topology, options.within)
     except Unreadable as reason:
         sys.exit(f"independent: {options.scene}: {reason}")
     print("components %d, hollows %d, tunnels %d" % found)
@@ -328,6 +331,7 @@ def parse_arguments():
     parser.add_argument("--samples", type=int, default=20000)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--topology", type=int, metavar="N")
+    parser.add_argument("--within", type=float, nargs=6, help="lower and upper corner of a box")
     parser.add_argument("--values", action="store_true")
     parser.add_argument("--json", action="store_true")
     options = parser.parse_args()

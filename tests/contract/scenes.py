@@ -228,8 +228,10 @@ class Scene:
 # Topologies: by construction; flake1, flake2, coral, starfish and icicle (whose dot hangs free) as
 # `independent.py --topology` counts them on grids without the project's code; the seahorse (two
 # rings; the eyes, which meet each other, but not the head) likewise from values of the field; the
-# cowrie as meshes of three tolerances agree. In flake3, flake4 and magra70000 balls meet uncounted
-# times.
+# cowrie as meshes of three tolerances agree. Of the coral, grids of cells of 0.009 and more find
+# one more, beside two necks: `--within -1.7044 -1.9944 1.8856 -1.4644 -1.7544 2.1256` tells
+# 2 tunnels with --topology 26, and 1 with 34, 50, 66 and 97. In flake3, flake4 and magra70000 balls
+# meet uncounted times.
 CONTRACT = {
     "sphere": Scene([(1, 0, 0)], sphere),
     "torus": Scene([(1, 0, 1)], torus),
@@ -245,7 +247,7 @@ CONTRACT = {
     "flake3": Scene([], lambda: sphereflake(3)),
     "flake4": Scene([], lambda: sphereflake(4)),
     "magra70000": Scene([], lambda: swirl(70000)),
-    "coral": Scene([(1, 0, 28)], lambda: coral(543)),
+    "coral": Scene([(1, 0, 27)], lambda: coral(543)),
     "starfish": Scene([(1, 0, 0)], starfish),
     "bust": Scene([(1, 1, 0)], bust_scene),
     "touching": Scene([(1, 0, 0), (2, 0, 0)], touching),

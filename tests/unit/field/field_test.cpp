@@ -126,6 +126,32 @@ TEST(Field, RestrictionsReturnTheSameBits) {
   }
 }
 
+/// Of thousands of terms those that reach a point count, also in the air around.
+TEST(Field, OfManyTermsRestrictionsReturnTheSameBitsBeyondTheBounds) {
+  constexpr double kBudget = 1e-6;
+  const auto field = field_of(random_scene(3, 8000, kKinds[0]), kBudget);
+  const Aabb bounds = field->bounds();
+  Random random(3, 4);
+  for (int trial = 0; trial < 12; ++trial) {
+    const Vec3d corner = bounds.corner(trial % 8);
+    const Vec3d size = random.uniform(0.01, 1) * bounds.extent();
+    const Aabb box{corner - size, corner + size};
+    const auto part = field->restrict_to(box);
+    const auto nested = part->restrict_to({box.center(), box.max});
+    for (int sample = 0; sample < 12; ++sample) {
+      const Vec3d p = sample < 8 ? box.corner(sample) : point_in(random, box);
+      const Jet jet = field->jet(p);
+      EXPECT_EQ(jet, part->jet(p));
+      if (Aabb{box.center(), box.max}.contains(p)) {
+        EXPECT_EQ(jet, nested->jet(p));
+      }
+      Jet full;
+      field->full_jets({&p, 1}, {&full, 1});
+      EXPECT_NEAR(jet.value, full.value - 1, kBudget);
+    }
+  }
+}
+
 TEST(Field, ResultsDoNotDependOnTheCompanyOfAPoint) {
   const auto field = field_of(random_scene(5, 60), 1e-5);
   Random random(5, 5);

@@ -29,6 +29,19 @@ Term random_term(Random& random, KernelKind kind) {
   return term;
 }
 
+/// Gives a segment that may have one a weight, of one sign or of both.
+void taper(Random& random, Term& term) {
+  const auto* segment = std::get_if<Segment>(&term.primitive);
+  const bool reaches_everywhere =
+      std::holds_alternative<Gaussian>(term.kernel) || std::holds_alternative<Cauchy>(term.kernel);
+  if (segment == nullptr || !reaches_everywhere) return;
+  const double least = random.bits() % 2 == 0 ? 0.0 : -0.5;
+  const auto weight = [&] { return random.uniform(least, 1.5); };
+  const double start = weight(), middle = weight(), end = weight();
+  term.primitive = TaperedSegment{*segment, quadratic_weight(start, middle, end)};
+  term.frame = frame_of(term.primitive);
+}
+
 struct Mixture {
   std::vector<Term> terms;
 
@@ -45,6 +58,7 @@ struct Mixture {
             Affine::rotate(random.direction(), random.uniform(0, 90)) *
             Affine::scale({random.uniform(0.5, 2), random.uniform(0.5, 2), 1.0}));
       }
+      if (round % 6 == 1) taper(random, terms.back());
     }
   }
   std::vector<std::uint32_t> all() const {
