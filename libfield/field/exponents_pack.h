@@ -32,8 +32,8 @@ struct ExponentsPack {
   /// The slope of each function relative to its value, at least, times what its ratio to the first
   /// is at least or at most. The ratio's exponent has the gradient g - g_1 and, between any two of
   /// its points, a second derivative between -(most - least_1) and most_1 - least.
-  [[gnu::flatten]] static SlopeSums slopes(const ExponentRows& rows, const ExponentBox& box,
-                                           const Vec3d& direction) {
+  CS2MESH_FLATTEN static SlopeSums slopes(const ExponentRows& rows, const ExponentBox& box,
+                                          const Vec3d& direction) {
     const std::size_t f = rows.first;
     const T phi_1(rows[Row::phi][f]), most_1(rows[Row::most][f]), least_1(rows[Row::least][f]);
     const Vec3<T> g_1 = in_lanes({rows[Row::gx][f], rows[Row::gy][f], rows[Row::gz][f]});
@@ -63,7 +63,7 @@ struct ExponentsPack {
     return {sum(slope_sum), sum(weight_sum), sum(size_sum)};
   }
 
-  [[gnu::flatten]] static WeightSums weights(ExponentRows& rows) {
+  CS2MESH_FLATTEN static WeightSums weights(ExponentRows& rows) {
     const T top(rows[Row::phi][rows.first]);
     T weight_sum(0.0), most_sum(0.0);
     Vec3<T> gradient_sum{T(0.0), T(0.0), T(0.0)};
@@ -95,8 +95,8 @@ struct ExponentsPack {
     return T(1 + 1e-11) * select(s < T(1e-2), small, T(vmath::exp(s) - T(1) - s));
   }
 
-  [[gnu::flatten]] static RiseSums rises(const ExponentRows& rows, const ExponentBox& box,
-                                         const Vec3d& mean) {
+  CS2MESH_FLATTEN static RiseSums rises(const ExponentRows& rows, const ExponentBox& box,
+                                        const Vec3d& mean) {
     const T top(rows[Row::phi][rows.first]);
     const Vec3<T> G = in_lanes(mean);
     T excess(0.0), apart(0.0);

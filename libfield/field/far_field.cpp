@@ -7,7 +7,6 @@
 
 #include "libfield/base/check.h"
 #include "libfield/field/far_cell.h"
-#include "libfield/field/far_nodes.h"
 #include "libfield/field/far_sorter.h"
 #include "libfield/integral/bulk.h"
 
@@ -21,13 +20,14 @@ constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostPoints = 700;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
-/// Half of the error budget is for the series along the way from the root. A cell with a long list
+/// The part of the error budget for the series along the way from the root. A cell with a long list
 /// serves many points and may cost much: it has a small part of what its parents have left. Those
 /// of the last levels, which are many, have a large one.
+constexpr double kSeriesPart = 0.7;
 constexpr std::size_t kLongList = 4000;
-constexpr double kEarlyPart = 1.0 / 6, kLatePart = 1.0 / 3;
+constexpr double kEarlyPart = 1.0 / 6, kLatePart = 0.45;
 /// A list shrinks from level to level, so that each source that leaves it may leave open more.
-constexpr double kShareGrowth = 3.0;
+constexpr double kShareGrowth = 2.3;
 
 }  // namespace
 
@@ -38,8 +38,10 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
   require(error_budget > 0, "the error budget must be positive");
   kernel_ = terms[tree_.elements().front().term].kernel.index();
   make_sources();
-  for (std::size_t i = 0; i < kFarNodes.size(); ++i) {
-    node_factor_[i] = node_factor(two_nu, kFarNodes[i]);
+  const auto count = [&](int nodes) { return NodeCount{nodes, node_factor(two_nu, nodes)}; };
+  for (std::size_t i = 0; i < sum_counts_.size(); ++i) sum_counts_[i] = count(kFarNodes[i]);
+  for (std::size_t i = 0; i < rule_counts_.size(); ++i) {
+    rule_counts_[i] = count(static_cast<int>(kNodeRules[i + 1].size));
   }
   for (int j = 0; j < kTauOrders; ++j) remainders_.emplace_back(two_nu + 2 * j);
   root_ = make_root(domain);
@@ -80,7 +82,7 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
                     const std::vector<std::uint32_t>& elements, std::size_t listed,
                     double guess) const {
   Sorter sorter(*this, cell);
-  const double rest = 0.5 * error_budget_ - cell.error;
+  const double rest = kSeriesPart * error_budget_ - cell.error;
   const double part = listed > kLongList ? kEarlyPart : kLatePart;
   cell.error += sorter.sort(nodes, elements, part * rest, guess);
   cell.measure_series();

@@ -16,9 +16,11 @@
 #include <span>
 #include <vector>
 
+#include "libfield/field/far_nodes.h"
 #include "libfield/field/far_remainders.h"
 #include "libfield/field/source_tree.h"
 #include "libfield/field/term_bounds.h"
+#include "libfield/integral/far_sum.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/integral/segment_sum.h"
 
@@ -95,8 +97,9 @@ class FarField {
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;
-  std::array<double, kFarNodes.size()> node_factor_{};  ///< of the error of so many nodes
-  std::vector<SegmentSource> segments_;                 ///< the elements, points among them
+  std::array<NodeCount, kFarNodes.size()> sum_counts_{};        ///< for sums
+  std::array<NodeCount, kNodeRules.size() - 1> rule_counts_{};  ///< for series
+  std::vector<SegmentSource> segments_;                         ///< the elements, points among them
   std::vector<PointSource> points_;  ///< those that are points, by element; empty without any
   std::unique_ptr<Cell> root_;
 };

@@ -8,4 +8,10 @@ namespace cs2mesh {
 /// L s^-nu (L^2 / s)^n: (n!)^4 / ((2n + 1) (2n)!^2) binomial(2n + 2 nu - 1, 2n), rounded up.
 double node_factor(double two_nu, int n);
 
+/// A number of nodes that an element may be taken as.
+struct NodeCount {
+  int nodes = 0;
+  double factor = 0.0;  ///< node_factor()
+};
+
 }  // namespace cs2mesh

@@ -35,25 +35,27 @@ FarRemainders::FarRemainders(double two_nu) {
     for (std::size_t i = 0; i < row.size(); ++i) {
       row[i] = series_remainder(two_nu, q, kFarOrders[i]);
     }
+    // They fall but for rounding, and where they are of no use.
+    for (std::size_t i = row.size() - 1; i > 0; --i) row[i - 1] = std::max(row[i - 1], row[i]);
   }
-  // What is left out begins one degree higher, where the expectation is smaller still.
+  // What is left out begins one degree higher; of odd degrees the expectation is smaller still.
   aside_.back().fill(1.0);
   for (std::size_t step = 0; step + 1 < aside_.size(); ++step) {
     const double c2 = static_cast<double>(step + 1) / static_cast<double>(aside_.size() - 1);
     for (std::size_t i = 0; i < kFarOrders.size(); ++i) {
-      aside_[step][i] = expectation(two_nu, c2, kFarOrders[i] / 2);
+      aside_[step][i] = expectation(two_nu, c2, (kFarOrders[i] + 1) / 2);
     }
   }
 }
 
-Truncation FarRemainders::lowest_order(double q2, double c, double most) const {
+Truncation FarRemainders::lowest_order(double q2, double c2, double most) const {
   constexpr std::size_t last = kFarOrders.size() - 1;
   if (!(q2 < 1.0)) return {last, std::numeric_limits<double>::infinity()};
   const Row& row = q2 > kLeast ? rows_[step_of(q2) - step_of(kLeast)] : rows_.front();
   const double steps = static_cast<double>(aside_.size() - 1);
-  const Row& aside = aside_[static_cast<std::size_t>(steps * std::min(c * c, 1.0))];
-  std::size_t order = 0;
-  while (order < last && !(row[order] * aside[order] <= most)) ++order;
+  const Row& aside = aside_[static_cast<std::size_t>(steps * std::min(c2, 1.0))];
+  std::size_t order = 0;  // both fall
+  for (std::size_t i = 0; i < last; ++i) order += row[i] * aside[i] <= most ? 0 : 1;
   return {order, row[order] * aside[order]};
 }
 

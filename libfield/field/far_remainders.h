@@ -19,7 +19,8 @@
 namespace cs2mesh {
 
 /// Degrees at which a series may end.
-inline constexpr std::array<int, 6> kFarOrders = {2, 4, 6, 8, 10, kTaylorOrder};
+inline constexpr std::array<int, kTaylorOrder - 1> kFarOrders = {2, 3,  4,  5,  6,  7,           8,
+                                                                 9, 10, 11, 12, 13, kTaylorOrder};
 
 /// An index into kFarOrders, with a bound of the error that it leaves, relative to S^-nu.
 struct Truncation {
@@ -34,8 +35,8 @@ class FarRemainders {
   explicit FarRemainders(double two_nu);
 
   /// The lowest order whose remainder is at most `most`; else the highest, whose error is infinite
-  /// from q = 1 on. `c` as above, or larger.
-  Truncation lowest_order(double q2, double c, double most) const;
+  /// from q = 1 on. `c2` the square of c above, or larger.
+  Truncation lowest_order(double q2, double c2, double most) const;
 
  private:
   using Row = std::array<double, kFarOrders.size()>;

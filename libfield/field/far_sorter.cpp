@@ -3,19 +3,25 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "libfield/integral/bulk.h"
+#include "libfield/integral/harmonics.h"
 
 namespace cs2mesh {
 namespace {
 
 /// Of the budget of a cell, for one source.
 constexpr double kGreatestShare = 1.0 / 32;
+/// So many nodes are sorted several times sooner than the guess is put right by a part of them.
+constexpr std::size_t kManyNodes = 64, kSampleStep = 8;
+/// What an element of a leaf may leave open at first, as a multiple of its part of the budget.
+constexpr double kLeafShare = 4.0;
 /// No number of nodes will do for segments whose squared length, relative to their distance, is
 /// greater.
 constexpr double kLongest2 = 4.0;
 /// Elements of a node look alike where its radius is at most this part of the distance.
-constexpr double kAlike = 1.0 / 16;
+constexpr double kAlike = 1.0 / 10;
 /// So few elements that none of them reaches the cell are looked at again by its children.
 constexpr std::uint32_t kFewElements = 16;
 
@@ -31,12 +37,15 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
                               double guess) {
   // What each may leave open is guessed; where the sum is too much, each has to do better.
   double each = budget * std::min(guess, kGreatestShare);
+  if (nodes.size() >= kManyNodes) {
+    sort_every(kSampleStep, nodes, elements, each);
+    const double expected = static_cast<double>(kSampleStep) * error_;
+    each = std::min(each * std::min(2.0, 0.8 * budget / expected), budget * kGreatestShare);
+  }
   for (;;) {
-    clear();
-    for (const std::uint32_t node : nodes) sort_node(node, each);
-    for (const std::uint32_t element : elements) sort_element(element, each);
+    sort_every(1, nodes, elements, each);
     if (error_ <= budget) break;
-    each *= std::min(0.7, 0.9 * budget / error_);
+    each *= std::min(0.9, 0.85 * budget / error_);
   }
   cell_.share = each / budget;
   sum_up();
@@ -45,13 +54,19 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
   return error_;
 }
 
+/// Sorts the first of every so many nodes and elements.
+void FarField::Sorter::sort_every(std::size_t step, const std::vector<std::uint32_t>& nodes,
+                                  const std::vector<std::uint32_t>& elements, double each) {
+  clear();
+  for (std::size_t i = 0; i < nodes.size(); i += step) sort_node(nodes[i], each);
+  for (std::size_t i = 0; i < elements.size(); i += step) sort_element(elements[i], each);
+}
+
 void FarField::Sorter::clear() {
   for (ByOrder& by_order : clusters_) {
     for (auto& sources : by_order) sources.clear();
   }
-  for (ByRule& by_rule : single_) {
-    for (auto& elements : by_rule) elements.clear();
-  }
+  taken_.clear();
   cell_.nodes.clear(), cell_.elements.clear();
   error_ = 0.0;
 }
@@ -60,26 +75,50 @@ void FarField::Sorter::sum_up() {
   const BulkTable& table = bulk_table();
   for (std::size_t i = 0; i < kFarOrders.size(); ++i) {
     for (std::size_t j = 0; j < clusters_.size(); ++j) {
+      if (clusters_[j][i].empty()) continue;
       table.add_sources(field_.two_nu_ + 2.0 * static_cast<double>(j), kFarOrders[i],
                         clusters_[j][i].data(), clusters_[j][i].size(), cell_.series.data());
     }
-    NodeLists lists;
-    bool any = false;
-    for (std::size_t rule = 0; rule < lists.size(); ++rule) {
-      lists[rule] = single_[i][rule];
-      any = any || !lists[rule].empty();
-    }
-    if (!any) continue;
-    table.add_nodes(field_.two_nu_, kFarOrders[i], {cell_.center, cell_.half},
-                    field_.segments_.data(), lists, cell_.series.data());
   }
+  if (!taken_.empty()) sum_up_elements();
+}
+
+/// By rule, then by falling order, then in the order in which they were taken.
+void FarField::Sorter::sum_up_elements() {
+  constexpr std::size_t orders = kFarOrders.size();
+  const auto place = [&](const Taken& taken) {
+    return orders * taken.rule + (orders - 1 - taken.order);
+  };
+  std::array<std::uint32_t, orders * kNodeRules.size() + 1> begin{};
+  for (const Taken& taken : taken_) ++begin[place(taken) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<std::uint32_t> elements(taken_.size());
+  std::vector<std::uint8_t> degrees(taken_.size());
+  auto next = begin;
+  for (const Taken& taken : taken_) {
+    const std::uint32_t to = next[place(taken)]++;
+    elements[to] = taken.element;
+    degrees[to] = static_cast<std::uint8_t>(kFarOrders[taken.order]);
+  }
+
+  NodeLists lists;
+  for (std::size_t rule = 0; rule < lists.size(); ++rule) {
+    const std::uint32_t first = begin[orders * rule];
+    const std::uint32_t count = begin[orders * (rule + 1)] - first;
+    lists[rule] = {std::span(elements).subspan(first, count),
+                   std::span(degrees).subspan(first, count)};
+  }
+  HarmonicSums sums{};
+  bulk_table().add_nodes(field_.two_nu_, {cell_.center, cell_.half}, field_.segments_.data(), lists,
+                         sums.data());
+  add_harmonics(sums, cell_.series);
 }
 
 void FarField::Sorter::finish(double budget) {
   std::vector<std::uint32_t> all;
   field_.visit_unresolved(cell_, [&](std::uint32_t element) { all.push_back(element); });
   std::sort(all.begin(), all.end());
-  double each = budget / 16;
+  double each = budget * kLeafShare / static_cast<double>(std::max<std::size_t>(all.size(), 1));
   for (;;) {
     cell_.near.clear(), cell_.points.clear();
     for (auto& segments : cell_.segments) segments.clear();
@@ -90,13 +129,13 @@ void FarField::Sorter::finish(double budget) {
         cell_.points.push_back(element);
         continue;
       }
-      const double s = nearest2(distance(shape, cell_.center), shape.tau);
-      const auto nodes = nodes_for(shape.length, shape.mass(), s, kFarNodes.size(), each);
+      const double s = nearest2(squared_distance(shape, cell_.center), shape.tau);
+      const auto nodes = nodes_for(shape.length, shape.mass(), s, field_.sum_counts_, each);
       (nodes ? cell_.segments[nodes->entry] : cell_.near).push_back(element);
       error_ += nodes ? nodes->error : 0.0;
     }
     if (error_ <= budget) return;
-    each *= std::min(0.7, 0.9 * budget / error_);
+    each *= std::min(0.9, 0.85 * budget / error_);
   }
 }
 
@@ -126,36 +165,44 @@ void FarField::Sorter::sort_node(std::uint32_t index, double each) {
 }
 
 /// Takes all elements of a node, if they look alike from the cell and the error of each can be had
-/// under `each`. `near` if that of none can.
+/// under `each`. `near` if they are few and that of none can.
 FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, double each) {
   const SourceNode& node = field_.tree_.node(index);
   const Vec3d d = cell_.center - node.center;
   const double apart = norm(d), r = cell_.radius();
   const double l1 = sum_of_sizes(d);
-  const double farthest = apart + node.radius;
-  const double s_far = farthest * farthest + node.tau + node.tau_spread;
   const FarRemainders& remainders = field_.remainders_[0];
-  const double lightest = node.mass / node.count * inverse_power(field_.two_nu_, s_far);
   const double most = 0.5 * each;
-  const double c_far = corner_share(l1, s_far, 0.0);
-  if (lightest * remainders.lowest_order(r * r / s_far, c_far, most / lightest).error > most) {
-    return Reach::near;
+  if (node.count <= kFewElements) {
+    const double farthest = apart + node.radius;
+    const double over = 1 / (farthest * farthest + node.tau + node.tau_spread);
+    const double lightest = node.mass / node.count * half_power(field_.two_nu_, over);
+    const double c2 = corner_share2(l1, over);
+    if (lightest * remainders.lowest_order(r * r * over, c2, most / lightest).error > most) {
+      return Reach::near;
+    }
   }
   if (node.radius > kAlike * apart) return Reach::mixed;
   const double nearest = apart - node.radius;
-  const double s = nearest * nearest + node.least_tau;
-  const double power = inverse_power(field_.two_nu_, s);
-  const double c = corner_share(l1 + 1.7320508075688774 * node.radius, s, 0.0);
-  const Truncation cut = remainders.lowest_order(r * r / s, c, most / (node.heaviest * power));
-  if (!(node.heaviest * power * cut.error <= most)) return Reach::mixed;
-  const auto nodes = nodes_for(node.longest, node.heaviest, nearest2(nearest, node.least_tau),
-                               kNodeRules.size() - 1, most);
+  const double over = 1 / (nearest * nearest + node.least_tau);
+  const double heaviest = node.heaviest * half_power(field_.two_nu_, over);
+  const double c2 = corner_share2(l1 + 1.7320508075688774 * node.radius, over);
+  const Truncation cut = remainders.lowest_order(r * r * over, c2, most / heaviest);
+  if (!(heaviest * cut.error <= most)) return Reach::mixed;
+  const auto nodes =
+      nodes_for(node.longest, node.heaviest, nearest2(nearest * nearest, node.least_tau),
+                field_.rule_counts_, most);
   if (!nodes) return Reach::mixed;
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
     take_element(i, cut.order, nodes->entry);
   }
-  error_ += node.mass * (power * cut.error + nodes->error / node.heaviest);
+  error_ += node.mass / node.heaviest * (heaviest * cut.error + nodes->error);
   return Reach::far;
+}
+
+/// The square of corner_share() where nothing is moved, from 1 / S.
+double FarField::Sorter::corner_share2(double l1, double over) {
+  return l1 * l1 * over * (1.0 / 3 * (1 + 1e-12));
 }
 
 /// c of far_remainders.h: for x in the cell, moved by up to `radius`, |d.x| / sqrt(S) relative to
@@ -183,8 +230,11 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
   double weight = 1.0;  // |binomial(-nu, j)| spread^j
   for (int j = 0; j < sets; ++j) {
     auto& cut = truncation[static_cast<std::size_t>(j)];
-    cut = field_.remainders_[static_cast<std::size_t>(j)].lowest_order(q * q, c, share / weight);
+    cut =
+        field_.remainders_[static_cast<std::size_t>(j)].lowest_order(q * q, c * c, share / weight);
     if (!(weight * cut.error <= share)) return false;
+    // Those of every other order, so that fewer stand alone.
+    cut.order += static_cast<std::size_t>(kFarOrders[cut.order] % 2);
     error += weight * cut.error;
     weight *= spread * (nu + j) / (j + 1);
   }
@@ -213,20 +263,20 @@ double FarField::Sorter::spread_remainder(double q, double spread) const {
 
 void FarField::Sorter::sort_element(std::uint32_t index, double each) {
   const FarElement& element = field_.tree_.elements()[index];
-  const double d = distance(element, cell_.center);
-  const double s = d * d + element.tau;
-  const double q2 = cell_.radius() * cell_.radius() / s;
-  const double size = element.mass() * inverse_power(field_.two_nu_, s);
+  const double d2 = squared_distance(element, cell_.center);
+  const double over = 1 / (d2 + element.tau);
+  const double size = element.mass() * half_power(field_.two_nu_, over);
   // Of all places on the element, as it is convex.
   const double l1 =
       std::max(sum_of_sizes(cell_.center - element.a), sum_of_sizes(cell_.center - element.b));
-  const double c = corner_share(l1, s, 0.0);
-  const Truncation cut = field_.remainders_[0].lowest_order(q2, c, 0.5 * each / size);
+  const double q2 = cell_.radius() * cell_.radius() * over, most = 0.5 * each;
+  const Truncation cut =
+      field_.remainders_[0].lowest_order(q2, corner_share2(l1, over), most / size);
   const double error = size * cut.error;
   std::optional<Choice> nodes;
-  if (error <= 0.5 * each) {
-    nodes = nodes_for(element.length, element.mass(), nearest2(d, element.tau),
-                      kNodeRules.size() - 1, 0.5 * each);
+  if (error <= most) {
+    nodes = nodes_for(element.length, element.mass(), nearest2(d2, element.tau),
+                      field_.rule_counts_, most);
   }
   if (!nodes) {
     cell_.elements.push_back(index);
@@ -236,32 +286,33 @@ void FarField::Sorter::sort_element(std::uint32_t index, double each) {
   take_element(index, cut.order, nodes->entry);
 }
 
-/// By an entry of kFarNodes, if it is a segment.
+/// By an entry of FarField::rule_counts_, if it is a segment.
 void FarField::Sorter::take_element(std::uint32_t index, std::size_t order, std::size_t nodes) {
   const bool segment = field_.tree_.elements()[index].length > 0;
-  single_[order][segment ? nodes + 1 : 0].push_back(index);
+  taken_.push_back({index, static_cast<std::uint8_t>(order),
+                    static_cast<std::uint8_t>(segment ? nodes + 1 : 0)});
 }
 
-/// <= |x - q|^2 + tau for x in the cell and q at distance d or more from its centre.
-double FarField::Sorter::nearest2(double d, double tau) const {
-  const double nearest = std::max(0.0, d - cell_.radius());
+/// <= |x - q|^2 + tau for x in the cell and q at squared distance d2 or more from its centre.
+double FarField::Sorter::nearest2(double d2, double tau) const {
+  const double nearest = std::max(0.0, std::sqrt(d2) - cell_.radius());
   return nearest * nearest + tau;
 }
 
-/// As how few nodes (an entry of kFarNodes, of the first `rules`) a segment of that length and mass
-/// may be summed from squared distance s on; none if the error of no number is at most `most`.
-std::optional<FarField::Sorter::Choice> FarField::Sorter::nodes_for(double length, double mass,
-                                                                    double s, std::size_t rules,
-                                                                    double most) const {
+/// As how few nodes (one of the counts) a segment of that length and mass may be summed from
+/// squared distance s on; none if the error of no number is at most `most`.
+std::optional<FarField::Sorter::Choice> FarField::Sorter::nodes_for(
+    double length, double mass, double s, std::span<const NodeCount> counts, double most) const {
   if (!(length > 0)) return Choice{};
   const double length2 = length * length;
   if (length2 > kLongest2 * s) return std::nullopt;
-  const double size = mass * inverse_power(field_.two_nu_, s), ratio = length2 / s;
+  const double over = 1 / s, ratio = length2 * over;
+  const double size = mass * half_power(field_.two_nu_, over);
   double power = 1.0;
   int power_of = 0;
-  for (std::size_t i = 0; i < rules; ++i) {
-    for (; power_of < kFarNodes[i]; ++power_of) power *= ratio;
-    const double error = size * field_.node_factor_[i] * power;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    for (; power_of < counts[i].nodes; ++power_of) power *= ratio;
+    const double error = size * counts[i].factor * power;
     if (error <= most) return Choice{i, error};
   }
   return std::nullopt;

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "libfield/field/far_cell.h"
@@ -27,14 +28,21 @@ class FarField::Sorter {
 
  private:
   using ByOrder = std::array<std::vector<SeriesSource>, kFarOrders.size()>;
-  using ByRule = std::array<std::vector<std::uint32_t>, kNodeRules.size()>;
+  /// An element that goes into the series.
+  struct Taken {
+    std::uint32_t element;
+    std::uint8_t order, rule;  ///< entries of kFarOrders and kNodeRules
+  };
 
   void clear();
+  void sort_every(std::size_t step, const std::vector<std::uint32_t>& nodes,
+                  const std::vector<std::uint32_t>& elements, double each);
   void sort_node(std::uint32_t index, double each);
   enum class Reach { far, mixed, near };
   Reach take_elements(std::uint32_t index, double each);
   bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
   double corner_share(double l1, double s, double radius) const;
+  static double corner_share2(double l1, double over);
   double spread_remainder(double q, double spread) const;
   void sort_element(std::uint32_t index, double each);
   /// An entry of an array, with a bound of the error that comes with it.
@@ -42,19 +50,20 @@ class FarField::Sorter {
     std::size_t entry = 0;
     double error = 0.0;
   };
-  std::optional<Choice> nodes_for(double length, double mass, double s, std::size_t rules,
-                                  double most) const;
-  double nearest2(double d, double tau) const;
+  std::optional<Choice> nodes_for(double length, double mass, double s,
+                                  std::span<const NodeCount> counts, double most) const;
+  double nearest2(double d2, double tau) const;
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
                   const double* moments, double size) const;
   void take_element(std::uint32_t index, std::size_t order, std::size_t nodes);
   void sum_up();
+  void sum_up_elements();
 
   const FarField& field_;
   Cell& cell_;
   double error_ = 0.0;
   std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
-  std::array<ByRule, kFarOrders.size()> single_;
+  std::vector<Taken> taken_;
 };
 
 }  // namespace cs2mesh

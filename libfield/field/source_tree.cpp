@@ -70,9 +70,12 @@ std::optional<FarElement> far_element(const Term& term, std::uint32_t index) {
   return element;
 }
 
-double distance(const FarElement& element, const Vec3d& p) {
-  if (!(element.length > 0)) return norm(p - element.a);
-  return distance(Segment{element.a, element.b}, p);
+double squared_distance(const FarElement& element, const Vec3d& p) {
+  const Vec3d from_a = p - element.a;
+  if (!(element.length > 0)) return squared_norm(from_a);
+  const Vec3d axis = element.b - element.a;
+  const double along = std::clamp(dot(from_a, axis) / squared_norm(axis), 0.0, 1.0);
+  return squared_norm(from_a - along * axis);
 }
 
 SourceTree::SourceTree(std::vector<FarElement> elements) : elements_(std::move(elements)) {

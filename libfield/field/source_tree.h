@@ -43,8 +43,9 @@ std::optional<double> far_exponent(const Kernel& kernel);
 /// moderate numbers, without profile and transformation.
 std::optional<FarElement> far_element(const Term& term, std::uint32_t index);
 
-/// The distance from p to an element.
-double distance(const FarElement& element, const Vec3d& p);
+/// The squared distance from p to an element, within a few ulp of itself and of the element's
+/// squared length.
+double squared_distance(const FarElement& element, const Vec3d& p);
 
 struct SourceNode {
   Aabb box;

@@ -15,7 +15,7 @@
 #include "libfield/integral/inverse_triangle.h"
 #include "libfield/integral/metaball_arc.h"
 #include "libfield/integral/metaball_triangle.h"
-#include "libfield/integral/place_tensors.h"
+#include "libfield/integral/place_harmonics.h"
 #include "libfield/integral/plane.h"
 #include "libfield/integral/squared_triangle.h"
 #include "libfield/integral/support_arc.h"
@@ -54,8 +54,8 @@ struct BulkPack {
   /// Adds f(p) for each of the points. Flattened: no call remains that another unit could serve,
   /// and nothing is computed for a gradient that is not asked for.
   template <class Out, class Formula>
-  [[gnu::flatten]] static void add_each(const Vec3d* points, Out* sums, std::size_t count,
-                                        const Formula& formula) {
+  CS2MESH_FLATTEN static void add_each(const Vec3d* points, Out* sums, std::size_t count,
+                                       const Formula& formula) {
     // The last point stands in for those that a pack lacks.
     Vec3d padded[kLanes];
     Out padded_sums[kLanes];
@@ -77,25 +77,25 @@ struct BulkPack {
   }
 
   template <class K, class F, class Out>
-  [[gnu::flatten]] static void add(const K& kernel, const F& frame, double sign,
-                                   const Vec3d* points, Out* sums, std::size_t count) {
+  CS2MESH_FLATTEN static void add(const K& kernel, const F& frame, double sign, const Vec3d* points,
+                                  Out* sums, std::size_t count) {
     const auto lanes = in_lanes(frame);
     add_each(points, sums, count,
              [&](const Vec3<T>& p) { return T(sign) * integral(kernel, lanes, p); });
   }
 
   template <class K, class Out>
-  [[gnu::flatten]] static void add_points(const PointSource* sources, const std::uint32_t* index,
-                                          std::size_t source_count, const Vec3d* points, Out* sums,
-                                          std::size_t count) {
+  CS2MESH_FLATTEN static void add_points(const PointSource* sources, const std::uint32_t* index,
+                                         std::size_t source_count, const Vec3d* points, Out* sums,
+                                         std::size_t count) {
     add_each(points, sums, count,
              [&](const Vec3<T>& p) { return point_sum<K, T>(sources, index, source_count, p); });
   }
 
   template <int TwoNu, int Nodes, class Out>
-  [[gnu::flatten]] static void add_as_nodes(const SegmentSource* sources,
-                                            const std::uint32_t* index, std::size_t source_count,
-                                            const Vec3d* points, Out* sums, std::size_t count) {
+  CS2MESH_FLATTEN static void add_as_nodes(const SegmentSource* sources, const std::uint32_t* index,
+                                           std::size_t source_count, const Vec3d* points, Out* sums,
+                                           std::size_t count) {
     add_each(points, sums, count, [&](const Vec3<T>& p) {
       return segment_sum<TwoNu, Nodes, T>(sources, index, source_count, p);
     });
@@ -126,9 +126,9 @@ struct BulkPack {
   }
 
   template <class K, class Out>
-  [[gnu::flatten]] static void try_triangle(const K& kernel, const TriangleFrame<double>& frame,
-                                            double sign, const Vec3d* points, Out* sums,
-                                            double* left, std::size_t count) {
+  CS2MESH_FLATTEN static void try_triangle(const K& kernel, const TriangleFrame<double>& frame,
+                                           double sign, const Vec3d* points, Out* sums,
+                                           double* left, std::size_t count) {
     const TriangleFrame<T> lanes(frame);
     add_each(points, sums, count, [&](const Vec3<T>& p) {
       const TriangleTrial<T> trial = triangle_trial(kernel, lanes, p);
@@ -159,17 +159,16 @@ struct BulkPack {
     }
   };
 
-  template <int Order>
-  [[gnu::flatten]] static void add_nodes_to(double two_nu, const SeriesFrame& frame,
-                                            const SegmentSource* segments, const NodeLists& lists,
-                                            double* series) {
+  CS2MESH_FLATTEN static void add_nodes(double two_nu, const SeriesFrame& frame,
+                                        const SegmentSource* segments, const NodeLists& lists,
+                                        double* sums) {
     using P = Pack<N>;
-    PlaceTensors<N, Order> tensors;
+    PlaceHarmonics<N> harmonics(two_nu);
     const double inverse = 1.0 / frame.unit;
     const double scale = two_nu == 4.0   ? inverse * inverse * inverse * inverse
                          : two_nu == 2.0 ? inverse * inverse
                                          : inverse;
-    const auto add = [&](const Segments& some, double along, double part) {
+    const auto place = [&](const Segments& some, double along, double part) {
       const P unit(inverse), t(along);
       const Vec3<P> d{unit * (P(frame.center.x) - fma(t, some.half.x, some.middle.x)),
                       unit * (P(frame.center.y) - fma(t, some.half.y, some.middle.y)),
@@ -177,31 +176,33 @@ struct BulkPack {
       const P s = fma(d.x, d.x, fma(d.y, d.y, fma(d.z, d.z, unit * unit * some.tau)));
       const P over = P(1) / s;
       const P power = two_nu == 4.0 ? over * over : two_nu == 2.0 ? over : sqrt(over);
-      tensors.add(d, over, P(scale * part) * some.weight * power);
+      return FarPlaces<P>{d, over, P(scale * part) * some.weight * power};
     };
+    // What is added together is so up to the order of the first, the highest.
+    constexpr int kMost = PlaceHarmonics<N>::kMostPacks;
+    FarPlaces<P> places[kMost];
     for (std::size_t which = 0; which < lists.size(); ++which) {
-      const std::span<const std::uint32_t> list = lists[which];
+      const auto& [list, orders] = lists[which];
+      const NodeRule& rule = kNodeRules[which];
+      int waiting = 0, order = 0;
       for (std::size_t first = 0; first < list.size(); first += N) {
         const Segments some(segments, list.data() + first, list.size() - first);
-        const NodeRule& rule = kNodeRules[which];
-        for (std::size_t k = 0; k < rule.size; ++k) add(some, rule.along[k], rule.part[k]);
+        for (std::size_t k = 0; k < rule.size; ++k) {
+          if (waiting == 0) order = orders[first];
+          places[waiting++] = place(some, rule.along[k], rule.part[k]);
+          if (waiting < kMost) continue;
+          harmonics.template add<kMost>(order, places);
+          waiting = 0;
+        }
       }
+      for (int k = 0; k < waiting; ++k) harmonics.template add<1>(order, places + k);
     }
-    tensors.add_to(two_nu, series);
-  }
-  static void add_nodes(double two_nu, int order, const SeriesFrame& frame,
-                        const SegmentSource* segments, const NodeLists& lists, double* series) {
-    const auto add = [&]<int... I>(std::integer_sequence<int, I...>) {
-      ((order == 2 * I + 2 ? add_nodes_to<2 * I + 2>(two_nu, frame, segments, lists, series)
-                           : void()),
-       ...);
-    };
-    add(std::make_integer_sequence<int, kTaylorOrder / 2>{});
+    harmonics.add_to(sums);
   }
 
   /// A source a lane.
-  [[gnu::flatten]] static void add_sources(double two_nu, int order, const SeriesSource* sources,
-                                           std::size_t count, double* series) {
+  CS2MESH_FLATTEN static void add_sources(double two_nu, int order, const SeriesSource* sources,
+                                          std::size_t count, double* series) {
     using P = Pack<N>;
     if (count == 0) return;
     P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
@@ -249,8 +250,8 @@ struct BulkPack {
   }
 
   /// A source a lane; eight nodes integrate all powers that count along a segment exactly.
-  [[gnu::flatten]] static void add_moments(const MomentSource* sources, std::size_t count,
-                                           bool segments, std::size_t sets, Series* moments) {
+  CS2MESH_FLATTEN static void add_moments(const MomentSource* sources, std::size_t count,
+                                          bool segments, std::size_t sets, Series* moments) {
     using P = Pack<N>;
     constexpr const UnitRule<8>& rule = kUnitRule<8>;
     P sums[kTauOrders * kSeriesSize];
@@ -279,8 +280,8 @@ struct BulkPack {
   }
 
   template <class Out>
-  [[gnu::flatten]] static void add_series(const double* series, const Vec3d& center, double unit,
-                                          const Vec3d* points, Out* sums, std::size_t count) {
+  CS2MESH_FLATTEN static void add_series(const double* series, const Vec3d& center, double unit,
+                                         const Vec3d* points, Out* sums, std::size_t count) {
     const T inverse(1.0 / unit);
     add_each(points, sums, count, [&](const Vec3<T>& p) {
       const Vec3<T> x{(p.x - T(center.x)) * inverse, (p.y - T(center.y)) * inverse,
@@ -292,8 +293,8 @@ struct BulkPack {
   }
 
   template <class F, class Out>
-  [[gnu::flatten]] static void find_weights(const StrengthProfile& profile, const F& frame,
-                                            const Vec3d* points, Out* weights, std::size_t count) {
+  CS2MESH_FLATTEN static void find_weights(const StrengthProfile& profile, const F& frame,
+                                           const Vec3d* points, Out* weights, std::size_t count) {
     const auto lanes = in_lanes(frame);
     for (std::size_t i = 0; i < count; ++i) weights[i] = Out{};
     add_each(points, weights, count,

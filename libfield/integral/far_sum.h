@@ -29,26 +29,39 @@ struct NodeRule {
   std::array<double, 8> along{}, part{1.0};
 
   constexpr NodeRule() = default;
+  /// Pairs of nodes with their weights, and the middle with its own unless that is 0.
   template <std::size_t Half>
-  constexpr NodeRule(const std::array<double, Half>& node, const std::array<double, Half>& weight)
+  constexpr NodeRule(const std::array<double, Half>& node, const std::array<double, Half>& weight,
+                     double middle = 0.0)
       : size(2 * Half) {
     for (std::size_t i = 0; i < Half; ++i) {
       along[2 * i] = node[i], along[2 * i + 1] = -node[i];
       part[2 * i] = part[2 * i + 1] = 0.5 * weight[i];
     }
+    if (middle > 0) part[size++] = 0.5 * middle;
   }
   template <int N>
   constexpr explicit NodeRule(const GaussLegendreRule<N>& rule)
       : NodeRule(rule.node, rule.weight) {}
 };
 
-/// The middle, for points; then the first of kFarNodes.
-inline constexpr std::array<NodeRule, 5> kNodeRules = {
-    NodeRule(), NodeRule(kGaussLegendre<2>), NodeRule(kGaussLegendre<4>),
-    NodeRule(kGaussLegendre<6>), NodeRule(kGaussLegendre<8>)};
+/// The middle, for points; then those of Gauss and Legendre for segments. Of three nodes, they are
+/// 0 and +-sqrt(3 / 5).
+inline constexpr std::array<NodeRule, 6> kNodeRules = {
+    NodeRule(),
+    NodeRule(kGaussLegendre<2>),
+    NodeRule(std::array{0.7745966692414834}, std::array{5.0 / 9}, 8.0 / 9),
+    NodeRule(kGaussLegendre<4>),
+    NodeRule(kGaussLegendre<6>),
+    NodeRule(kGaussLegendre<8>)};
 
-/// The indices of segments, by the entry of kNodeRules that each is taken by.
-using NodeLists = std::array<std::span<const std::uint32_t>, kNodeRules.size()>;
+/// Indices of segments with the order at which the series of each may end, by falling order.
+struct NodeList {
+  std::span<const std::uint32_t> segments;
+  std::span<const std::uint8_t> orders;
+};
+/// By the entry of kNodeRules that segments are taken by.
+using NodeLists = std::array<NodeList, kNodeRules.size()>;
 
 /// The centre and the unit of a series.
 struct SeriesFrame {
@@ -56,9 +69,10 @@ struct SeriesFrame {
   double unit = 1.0;
 };
 
-/// Adds the series of the segments in each list up to that order, by their nodes.
-using AddNodes = void (*)(double two_nu, int order, const SeriesFrame& frame,
-                          const SegmentSource* segments, const NodeLists& lists, double* series);
+/// Adds the series of the segments, by their nodes, each up to its order or a higher one; as
+/// harmonics.
+using AddNodes = void (*)(double two_nu, const SeriesFrame& frame, const SegmentSource* segments,
+                          const NodeLists& lists, double* sums);
 
 /// Adds the series of the sources to `series`, up to that order.
 using AddSources = void (*)(double two_nu, int order, const SeriesSource* sources,

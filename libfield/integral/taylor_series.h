@@ -149,11 +149,15 @@ void divided_powers(const T& x, const T& factor, T* power) {
   for (int n = 1; n <= kTaylorOrder; ++n) power[n] = power[n - 1] * (x * T(-1.0 / n));
 }
 
+/// x^nu.
+inline double half_power(double two_nu, double x) {
+  if (two_nu == 4.0) return x * x;
+  if (two_nu == 2.0) return x;
+  return std::sqrt(x);
+}
 /// x^-nu.
 inline double inverse_power(double two_nu, double x) {
-  if (two_nu == 4.0) return 1 / (x * x);
-  if (two_nu == 2.0) return 1 / x;
-  return 1 / std::sqrt(x);
+  return 1 / half_power(two_nu, x);
 }
 
 /// sum_(m > order) binomial(m + 2 nu - 1, m) q^m, rounded up; infinite from q = 1 on.

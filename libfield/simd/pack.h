@@ -16,6 +16,14 @@
 
 #include "libfield/simd/lanes.h"
 
+/// Before a function: all that it calls is inlined into it. Under sanitizers that would be many
+/// minutes of work for the compiler; the unit that every machine can run may leave calls there.
+#if defined(CS2MESH_LEAVES_CALLS)
+#define CS2MESH_FLATTEN
+#else
+#define CS2MESH_FLATTEN [[gnu::flatten]]
+#endif
+
 namespace cs2mesh {
 
 namespace detail {

@@ -33,8 +33,8 @@ TEST(FarRemainders, HoldOverCubesSeenFromAnySide) {
       const double half = std::pow(10.0, random.uniform(-2.0, -0.35));
       const double radius = std::sqrt(3.0) * half;
       const double c = (std::abs(d.x) + std::abs(d.y) + std::abs(d.z)) / std::sqrt(3.0);
-      const Truncation cut =
-          remainders.lowest_order(radius * radius, c, std::pow(10.0, random.uniform(-12.0, -1.0)));
+      const Truncation cut = remainders.lowest_order(radius * radius, c * c,
+                                                     std::pow(10.0, random.uniform(-12.0, -1.0)));
       double worst = 0.0;
       for (int k = 0; k < 60; ++k) {
         const auto side = [&] { return k < 40 ? random.uniform(-half, half) : half; };

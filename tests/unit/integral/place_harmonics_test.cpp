@@ -1,12 +1,13 @@
-// The series of many places by their tensors against the recurrence, place by place.
+// The series of many places by harmonics against the recurrence, place by place.
 
-#include "libfield/integral/place_tensors.h"
+#include "libfield/integral/place_harmonics.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <span>
 #include <vector>
 
 #include "libfield/base/random.h"
@@ -22,7 +23,7 @@ constexpr SeriesFrame kFrame = {{0.3, -0.2, 0.1}, 0.7};
 std::vector<SegmentSource> segments_around() {
   Random random(17);
   std::vector<SegmentSource> segments;
-  for (int i = 0; i < 45; ++i) {
+  for (int i = 0; i < 54; ++i) {
     segments.push_back({kFrame.center + random.uniform(2.5, 60.0) * random.direction(),
                         i < 9 ? Vec3d{} : random.uniform(0.01, 0.3) * random.direction(),
                         random.uniform(-1.0, 2.0), random.uniform(0.0, 0.2)});
@@ -52,17 +53,32 @@ void add_exact(double two_nu, int order, const SegmentSource& segment, const Nod
   }
 }
 
-TEST(PlaceTensors, GiveTheSeriesOfTheRecurrence) {
-  const std::vector<SegmentSource> segments = segments_around();
-  std::array<std::vector<std::uint32_t>, kNodeRules.size()> elements;
-  for (std::uint32_t i = 0; i < segments.size(); ++i) elements[i / 9].push_back(i);
+/// Adds the series of the segments, nine by each rule, each up to the order of its list or a higher
+/// one.
+Series series_of(double two_nu, const std::vector<SegmentSource>& segments,
+                 const std::vector<std::uint8_t>& orders) {
+  std::vector<std::uint32_t> elements(segments.size());
+  std::iota(elements.begin(), elements.end(), 0U);
   NodeLists lists;
-  for (std::size_t rule = 0; rule < lists.size(); ++rule) lists[rule] = elements[rule];
+  for (std::size_t rule = 0; rule < lists.size(); ++rule) {
+    lists[rule] = {std::span(elements).subspan(9 * rule, 9),
+                   std::span(orders).subspan(9 * rule, 9)};
+  }
+  HarmonicSums sums{};
+  bulk_table().add_nodes(two_nu, kFrame, segments.data(), lists, sums.data());
+  Series series{};
+  add_harmonics(sums, series);
+  return series;
+}
+
+TEST(PlaceHarmonics, GiveTheSeriesOfTheRecurrence) {
+  const std::vector<SegmentSource> segments = segments_around();
   testing::with_every_isa([&](Isa) {
     for (const double two_nu : {1.0, 2.0, 4.0}) {
-      for (int order = 2; order <= kTaylorOrder; order += 2) {
-        Series series{}, exact{}, size{};
-        bulk_table().add_nodes(two_nu, order, kFrame, segments.data(), lists, series.data());
+      for (int order = 2; order <= kTaylorOrder; ++order) {
+        const std::vector<std::uint8_t> orders(segments.size(), static_cast<std::uint8_t>(order));
+        const Series series = series_of(two_nu, segments, orders);
+        Series exact{}, size{};
         for (std::uint32_t i = 0; i < segments.size(); ++i) {
           add_exact(two_nu, order, segments[i], kNodeRules[i / 9], exact, size);
         }
@@ -72,6 +88,28 @@ TEST(PlaceTensors, GiveTheSeriesOfTheRecurrence) {
         }
       }
     }
+  });
+}
+
+TEST(PlaceHarmonics, NoOrderIsLowerThanAskedFor) {
+  const std::vector<SegmentSource> segments = segments_around();
+  std::vector<std::uint8_t> orders;
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    orders.push_back(static_cast<std::uint8_t>(kTaylorOrder - i % 9));
+  }
+  testing::with_every_isa([&](Isa) {
+    const Series series = series_of(4.0, segments, orders);
+    Series exact{}, size{};
+    for (std::uint32_t i = 0; i < segments.size(); ++i) {
+      add_exact(4.0, kTaylorOrder, segments[i], kNodeRules[i / 9], exact, size);
+    }
+    // Up to the lowest of them all are complete.
+    visit_powers(
+        [&](int a, int b, int c) {
+          const std::size_t k = series_index(a, b, c);
+          EXPECT_LE(std::abs(series[k] - exact[k]), 1e-11 * size[k]) << a << b << c;
+        },
+        kTaylorOrder - 8);
   });
 }
 
