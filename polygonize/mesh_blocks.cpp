@@ -25,7 +25,8 @@ void widen(MeshBlocks::Reach& reach, const MeshBlocks::Reach& other) {
 MeshBlocks::MeshBlocks(const TriangleMesh& mesh)
     : mesh_(mesh),
       size_(std::max(kLeastSize, (mesh.triangles.size() + kMostBlocks - 1) / kMostBlocks)) {
-  auto& [inner, deep] = reach_;
+  std::vector<Reach>& inner = reach_[0];
+  std::vector<Reach>& deep = reach_[1];
   inner.resize(mesh.positions.size());
   const auto for_each_left = [&](const auto& f) {
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t block) {

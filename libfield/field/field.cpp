@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
@@ -22,7 +21,6 @@
 namespace cs2mesh {
 namespace {
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Terms of a far field below this do not colour a point.
 constexpr double kLeastShare = 1e-4;
 /// A restriction looks through so few terms one by one; more are found in the tree of all.
