@@ -196,8 +196,13 @@ void choose_bounds(FieldData& data) {
   const auto all = [&](const auto& has) {
     return std::all_of(data.terms.begin(), data.terms.end(), has);
   };
+  // Tapered segments alone are bounded sooner as they are, than each as the rest of a sum.
+  const auto tapered = static_cast<std::size_t>(std::count_if(
+      data.terms.begin(), data.terms.end(),
+      [](const Term& term) { return std::holds_alternative<TaperedSegment>(term.primitive); }));
+  const bool few = count <= kFewTerms && 2 * tapered <= count;
   data.near_sums = !data.in_exponents && count <= kMostNear &&
-                   (all(has_cheap_near_bounds) || (count <= kFewTerms && all(has_near_bounds)));
+                   (all(has_cheap_near_bounds) || (few && all(has_near_bounds)));
   data.cheap_bounds =
       data.in_exponents || data.near_sums ||
       (count <= kFewTerms && all([](const Term& term) { return term.profiles.empty(); }));
