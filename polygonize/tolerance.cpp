@@ -113,7 +113,7 @@ double farthest_of(const ImplicitSurface& surface, std::vector<Sample> samples, 
 
 /// A mesh is refined to the first of these shares of the tolerance, and taken when its estimate is
 /// within the second: both look at some points only.
-constexpr double kAim = 0.9, kAccept = 0.96;
+constexpr double kAim = 0.85, kAccept = 0.96;
 
 /// From this share of the tolerance on, a place is looked at more closely; up to this one it does
 /// not matter how near it is.
