@@ -69,7 +69,7 @@ struct SurfaceOctree::Child {
 /// A cell that was cut.
 struct SurfaceOctree::Opened {
   std::array<Child, 8> children;
-  std::shared_ptr<const ImplicitSurface> surface;  ///< null: that of the cell
+  std::shared_ptr<const ImplicitSurface> surface;
   Aabb surface_box;
   Counts counts;
 };

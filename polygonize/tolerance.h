@@ -73,7 +73,8 @@ struct ToleranceAttempt {
 struct ToleranceMesh {
   TriangleMesh mesh;
   double cell = 0.0;
-  double error = 0.0;    ///< measured, the larger of both ways
+  double error =
+      0.0;  ///< measured, the larger of both ways, or 0.8 of the tolerance if that is more
   bool reached = false;  ///< error <= tolerance
   std::vector<ToleranceAttempt> attempts;
   LatticeStatistics statistics;  ///< of the mesh returned
@@ -95,7 +96,7 @@ double expected_cell(double radius, bool creased, double tolerance);
 /// The first cell is somewhat larger than a mesh on cells of the whole surface would need; refine()
 /// makes up for that where it matters. Then the mesh is looked at from both sides, and where there
 /// is surface too far from it, points of that are inserted, a few times. If that is not enough, all
-/// is done again on a smaller cell. A mesh is taken when its estimate is within 0.92 of the
+/// is done again on a smaller cell. A mesh is taken when its estimate is within 0.96 of the
 /// tolerance. If the tolerance is not reached, the mesh of the smallest error comes with a warning
 /// of Failure::tolerance and reached == false. Errors: those of options.mesh_cells,
 /// Failure::check_failed if that befalls every cell; but where a retry runs into a limit, the best
