@@ -85,8 +85,8 @@ class Adaptive {
               (request_.min_feature > 0 ||
                open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
     if (provable_ && !proven_) {
-      Result<MesherResult> lattice = mesh_on_cells(surface_, request_, {});
-      if (lattice && lattice->reached) return lattice;
+      lattice_.emplace(mesh_on_cells(surface_, request_, {}));
+      if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       options.coarseness = kCloseLook;
       tree = SurfaceOctree::build(surface_, options);
@@ -120,7 +120,7 @@ class Adaptive {
     }
     const double enough = (provable_ ? 1.0 : kAcceptedPart) * request_.tolerance;
     if (best.error > enough) {
-      Result<MesherResult> other = mesh_by_lattice(surface_, request_);
+      Result<MesherResult> other = by_lattice();
       if (!other && !(best.error < HUGE_VAL)) return other;
       if (other && other->error < best.error) return other;
     }
@@ -157,6 +157,16 @@ class Adaptive {
                     "the mesh needs more than " + std::to_string(request_.max_triangles) +
                         " triangles; use a larger tolerance",
                     Failure::limit);
+  }
+
+  /// What the lattice mesher makes of it in the end: on the lattices that were not tried, or
+  /// before.
+  Result<MesherResult> by_lattice() {
+    if (!lattice_) return mesh_by_lattice(surface_, request_);
+    Result<MesherResult> finer =
+        mesh_by_lattice(surface_, request_, ToleranceOptions().most_attempts);
+    const bool better = finer && (!*lattice_ || finer->error < (*lattice_)->error);
+    return better || cancelled(request_.progress) ? std::move(finer) : *std::move(lattice_);
   }
 
   /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
@@ -246,8 +256,9 @@ class Adaptive {
   const ImplicitSurface& surface_;
   const MesherRequest& request_;
   AdaptiveStatistics& log_;
-  bool provable_ = false;  ///< bounds are cheap
-  bool proven_ = false;    ///< and hardly a leaf of the octree is open
+  bool provable_ = false;                        ///< bounds are cheap
+  bool proven_ = false;                          ///< and hardly a leaf of the octree is open
+  std::optional<Result<MesherResult>> lattice_;  ///< what a few lattices make of it, if tried
   std::optional<BothWays> both_ways_;
   double smallest_cell_ = 0.0;
   std::vector<Vec3d> trouble_;  ///< points where the last attempt went wrong

@@ -198,7 +198,8 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
           "mesh_to_tolerance: the radius must be positive");
   require(tolerance > 0 && std::isfinite(tolerance),
           "mesh_to_tolerance: the tolerance must be positive");
-  require(options.most_attempts >= 1, "mesh_to_tolerance: at least one attempt");
+  require(0 <= options.left_out && options.left_out < options.most_attempts,
+          "mesh_to_tolerance: at least one attempt");
   constexpr double kSmaller = 0.75;
   const double enough = kAim * tolerance;
   const GradientEstimate gradient(kCloser * enough, tolerance, kSurely * tolerance,
@@ -213,6 +214,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
   const bool cut_off = creased && !options.follows_creases;
   double cell = first_cell(thinnest_radius, cut_off, walls, tolerance);
   for (int attempt = 0; attempt < options.most_attempts; ++attempt, cell *= kSmaller) {
+    if (attempt < options.left_out) continue;
     LatticeStatistics statistics;
     Result<TriangleMesh> mesh = options.mesh_cells(
         surface, {cell, options.origin, options.max_nodes, options.max_triangles, options.progress},
@@ -269,9 +271,15 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
 }
 
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
+  return mesh_by_lattice(surface, request, 0);
+}
+
+Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request,
+                                     int left_out) {
   constexpr int kPatience = 7;
   ToleranceOptions options;
   options.most_attempts = kPatience;
+  options.left_out = left_out;
   return mesh_on_cells(surface, request, options);
 }
 

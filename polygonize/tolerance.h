@@ -51,8 +51,8 @@ struct ToleranceOptions {
   Vec3d origin{};  ///< a node of the lattice
   std::size_t max_nodes = 400'000'000;
   std::size_t max_triangles = 50'000'000;
-  /// Lattices tried at most.
-  int most_attempts = 4;
+  /// Lattices tried at most, and how many of them are left out, from the first on.
+  int most_attempts = 4, left_out = 0;
   CellMesher mesh_cells = mesh_lattice;
   /// Whether those meshes have an edge along each crease, so that it does not limit the cell.
   bool follows_creases = false;
@@ -73,8 +73,8 @@ struct ToleranceAttempt {
 struct ToleranceMesh {
   TriangleMesh mesh;
   double cell = 0.0;
-  double error =
-      0.0;  ///< measured, the larger of both ways, or 0.8 of the tolerance if that is more
+  /// Measured, the larger of both ways, or 0.8 of the tolerance if that is more.
+  double error = 0.0;
   bool reached = false;  ///< error <= tolerance
   std::vector<ToleranceAttempt> attempts;
   LatticeStatistics statistics;  ///< of the mesh returned
@@ -111,5 +111,8 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
 /// With the lattice mesher, on up to seven lattices: beside walls and kinks of F triangles cross
 /// until cells are as small as what is between those, and there is no other way.
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request);
+/// Without the first `left_out` of them, which were tried before.
+Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request,
+                                     int left_out);
 
 }  // namespace cs2mesh
