@@ -22,6 +22,9 @@ struct AdaptiveStatistics {
 /// As Mesher::mesh. Where the octree leaves nothing open (statistics->open_leaves == 0), the
 /// surface is one sheet in every cell and between cells, and the mesh has a sheet for each.
 ///
+/// Where F jumps or bends by a profile, and where proofs or remeshing fail, the mesh comes from
+/// lattices instead (tolerance.h), and is made coarse where that keeps the tolerance.
+///
 /// Not promised: a proof of the distance, which is measured at points of every triangle, as is that
 /// of vertices that were taken out; nor the topology where leaves are open.
 Result<MesherResult> mesh_adaptive(const ImplicitSurface& surface, const MesherRequest& request,

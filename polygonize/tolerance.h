@@ -47,9 +47,11 @@ class Coarsener {
   virtual ~Coarsener() = default;
   struct Coarse {
     TriangleMesh mesh;
-    double error = 0.0;  ///< measured both ways, scene units; infinite where triangles cross
+    /// Measured both ways, scene units; infinite where triangles cross, or there is no such mesh.
+    double error = 0.0;
   };
-  /// A mesh of the topology of `dense`, which is on cells of that side near the surface.
+  /// A mesh of the topology of `dense`, which is closed, on cells of that side and near the
+  /// surface.
   virtual Coarse coarsen(const TriangleMesh& dense, double cell) = 0;
 };
 
