@@ -147,17 +147,24 @@ class Adaptive : private Coarsener {
   }
 
   Coarse coarsen(const TriangleMesh& dense, double cell) override {
-    // Kinks need smaller triangles than normals tell; improving makes up for it elsewhere.
-    constexpr double kAim = 0.5;
+    // Kinks need smaller triangles than normals tell; improving makes up for it elsewhere. Where
+    // triangles come to cross, others may not.
+    constexpr double kCoarseAims[] = {0.5, 0.7};
     constexpr double kWorthIt = 4.0;  // lattices take twice as many where it is not
     const double needed = triangles_needed(dense, request_.tolerance);
     if (static_cast<double>(dense.triangles.size()) < kWorthIt * needed) return {{}, HUGE_VAL};
     const Result<PlacedMesh> placed =
         place_mesh(surface_, dense, cell, request_.max_nodes, request_.progress);
     if (!placed) return {{}, HUGE_VAL};
-    MesherResult result =
-        fit(placed->tree, {placed->mesh, placed->leaf_of, {}, 0}, {kAim, false, false});
-    return {std::move(result.mesh), result.error};
+    const OctreeMesh first{placed->mesh, placed->leaf_of, {}, 0};
+    for (const double aim : kCoarseAims) {
+      MesherResult result = fit(placed->tree, first, {aim, false, false});
+      if (cancelled(request_.progress)) break;
+      if (result.error <= kTakenPart * request_.tolerance) {
+        return {std::move(result.mesh), result.error};
+      }
+    }
+    return {{}, HUGE_VAL};
   }
 
   void begin(std::string_view stage) const {

@@ -111,9 +111,8 @@ double farthest_of(const ImplicitSurface& surface, std::vector<Sample> samples, 
   return largest;
 }
 
-/// A mesh is refined to the first of these shares of the tolerance, and taken when its estimate is
-/// within the second: both look at some points only.
-constexpr double kAim = 0.85, kAccept = 0.96;
+/// A mesh is refined to this share of the tolerance: that looks at some points only.
+constexpr double kAim = 0.85;
 
 /// From this share of the tolerance on, a place is looked at more closely; up to this one it does
 /// not matter how near it is.
@@ -223,7 +222,7 @@ class ToTolerance {
       const double error = bring_near(*mesh, cell, statistics);
       if (cancelled(options_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       keep_better(*std::move(mesh), {cell, error, 0}, statistics);
-      if (error <= kAccept * tolerance_) break;
+      if (error <= kTakenPart * tolerance_) break;
     }
     best_.reached = best_.error <= tolerance_;
     if (!best_.reached) remarks_.push_back(tolerance_missed(tolerance_, best_.error, best_.cell));
@@ -244,10 +243,10 @@ class ToTolerance {
   double bring_near(TriangleMesh& mesh, double cell, const LatticeStatistics& statistics) {
     const double back = both_ways().run(mesh);
     if (cancelled(options_.progress)) return HUGE_VAL;
-    if (options_.coarsener != nullptr && back <= kAccept * tolerance_) {
+    if (options_.coarsener != nullptr && back <= kTakenPart * tolerance_) {
       Coarsener::Coarse coarse = options_.coarsener->coarsen(mesh, cell);
       if (cancelled(options_.progress)) return HUGE_VAL;
-      if (coarse.error <= kAccept * tolerance_) {
+      if (coarse.error <= kTakenPart * tolerance_) {
         mesh = std::move(coarse.mesh);
         return coarse.error;
       }

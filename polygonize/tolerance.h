@@ -41,6 +41,10 @@ class GradientEstimate final : public DistanceEstimate {
   Progress* progress_;
 };
 
+/// A mesh is taken when its error is estimated to be within this share of the tolerance: that looks
+/// at some points only.
+inline constexpr double kTakenPart = 0.96;
+
 /// A way to make few triangles of many.
 class Coarsener {
  public:
@@ -113,7 +117,7 @@ double expected_cell(double radius, bool creased, double tolerance);
 /// The first cell is somewhat larger than a mesh on cells of the whole surface would need; refine()
 /// makes up for that where it matters. Then the mesh is looked at from both sides, and where there
 /// is surface too far from it, points of that are inserted, a few times. If that is not enough, all
-/// is done again on a smaller cell. A mesh is taken when its estimate is within 0.96 of the
+/// is done again on a smaller cell. A mesh is taken when its estimate is within kTakenPart of the
 /// tolerance. If the tolerance is not reached, the mesh of the smallest error comes with a warning
 /// of Failure::tolerance and reached == false. Errors: those of options.mesh_cells,
 /// Failure::check_failed if that befalls every cell; but where a retry runs into a limit, the best
