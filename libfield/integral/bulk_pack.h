@@ -1,6 +1,7 @@
 // The entries of a BulkTable over packs of N; see bulk.h and the rules at the head of pack.h.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include "libfield/integral/bulk.h"
@@ -173,30 +174,39 @@ struct BulkPack {
       const Vec3<P> d{unit * (P(frame.center.x) - fma(t, some.half.x, some.middle.x)),
                       unit * (P(frame.center.y) - fma(t, some.half.y, some.middle.y)),
                       unit * (P(frame.center.z) - fma(t, some.half.z, some.middle.z))};
-      const P s = fma(d.x, d.x, fma(d.y, d.y, fma(d.z, d.z, unit * unit * some.tau)));
-      const P over = P(1) / s;
+      const P squared = fma(d.x, d.x, fma(d.y, d.y, d.z * d.z));
+      const P over = P(1) / fma(unit * unit, some.tau, squared);
       const P power = two_nu == 4.0 ? over * over : two_nu == 2.0 ? over : sqrt(over);
-      return FarPlaces<P>{d, over, P(scale * part) * some.weight * power};
+      const P apart = P(1) / sqrt(max(squared, P(1e-280)));
+      return FarPlaces<P>{{apart * d.x, apart * d.y, apart * d.z},
+                          apart * squared * over,
+                          over,
+                          P(scale * part) * some.weight * power};
     };
-    // What is added together is so up to the order of the first, the highest.
-    constexpr int kMost = PlaceHarmonics<N>::kMostPacks;
-    FarPlaces<P> places[kMost];
+    // Many are looked up before they are added: looking up waits for memory.
+    constexpr int kAdded = PlaceHarmonics<N>::kPacks, kMost = 4 * kAdded;
+    FarPlaces<P> places[kMost] = {};
+    int orders[kMost] = {}, waiting = 0;
+    const auto add = [&] {
+      for (int k = 0; k < waiting; k += kAdded) {
+        harmonics.add(*std::max_element(orders + k, orders + k + kAdded), places + k);
+      }
+      waiting = 0;
+    };
     for (std::size_t which = 0; which < lists.size(); ++which) {
-      const auto& [list, orders] = lists[which];
+      const auto& [list, list_orders] = lists[which];
       const NodeRule& rule = kNodeRules[which];
-      int waiting = 0, order = 0;
       for (std::size_t first = 0; first < list.size(); first += N) {
         const Segments some(segments, list.data() + first, list.size() - first);
         for (std::size_t k = 0; k < rule.size; ++k) {
-          if (waiting == 0) order = orders[first];
+          orders[waiting] = list_orders[first];  // of a pack the highest
           places[waiting++] = place(some, rule.along[k], rule.part[k]);
-          if (waiting < kMost) continue;
-          harmonics.template add<kMost>(order, places);
-          waiting = 0;
+          if (waiting == kMost) add();
         }
       }
-      for (int k = 0; k < waiting; ++k) harmonics.template add<1>(order, places + k);
     }
+    for (; waiting % kAdded != 0; ++waiting) places[waiting] = {}, orders[waiting] = 0;
+    add();
     harmonics.add_to(sums);
   }
 
