@@ -20,6 +20,7 @@
 #include "libfield/field/far_remainders.h"
 #include "libfield/field/source_tree.h"
 #include "libfield/field/term_bounds.h"
+#include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/integral/segment_sum.h"
@@ -99,6 +100,7 @@ class FarField {
   double error_budget_;
   std::array<NodeCount, kFarNodes.size()> sum_counts_{};        ///< for sums
   std::array<NodeCount, kNodeRules.size() - 1> rule_counts_{};  ///< for series
+  FarBounds law_;                                               ///< of single elements
   std::vector<SegmentSource> segments_;                         ///< the elements, points among them
   std::vector<PointSource> points_;  ///< those that are points, by element; empty without any
   std::unique_ptr<Cell> root_;

@@ -160,6 +160,26 @@ struct BulkPack {
     }
   };
 
+  CS2MESH_FLATTEN static void choose_far(const FarBounds& law, const FarFrame& frame,
+                                         const SegmentSource* segments, const std::uint32_t* index,
+                                         std::size_t count, FarChoice* choices,
+                                         OctantErrors& errors) {
+    std::array<Pack<N>, kOctantPairs> sums{};
+    for (std::size_t first = 0; first < count; first += N) {
+      const Segments some(segments, index + first, count - first);
+      const FarSegments<Pack<N>> far(law, frame, some.middle, some.half, some.weight, some.tau);
+      for (std::size_t k = 0; k < kOctantPairs; ++k) sums[k] += far.errors[k];
+      for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
+        const auto i = static_cast<int>(lane);
+        choices[first + lane] = {static_cast<std::uint8_t>(far.order.lane[i]),
+                                 static_cast<std::uint8_t>(far.rule.lane[i])};
+      }
+    }
+    for (std::size_t k = 0; k < kOctantPairs; ++k) {
+      for (int lane = 0; lane < N; ++lane) errors[k] += sums[k].lane[lane];
+    }
+  }
+
   CS2MESH_FLATTEN static void add_nodes(double two_nu, const SeriesFrame& frame,
                                         const SegmentSource* segments, const NodeLists& lists,
                                         double* sums) {
@@ -352,10 +372,10 @@ struct BulkPack {
             &try_triangle<Squared, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),         row<double>(),         weights<Jet>(),     weights<double>(),
-            points<Jet>(),      points<double>(),      triangles<Jet>(),   triangles<double>(),
-            &add_segments<Jet>, &add_segments<double>, &add_nodes,         &add_sources,
-            &add_moments,       &add_series<Jet>,      &add_series<double>};
+    return {row<Jet>(),         row<double>(),         weights<Jet>(),   weights<double>(),
+            points<Jet>(),      points<double>(),      triangles<Jet>(), triangles<double>(),
+            &add_segments<Jet>, &add_segments<double>, &choose_far,      &add_nodes,
+            &add_sources,       &add_moments,          &add_series<Jet>, &add_series<double>};
   }
 };
 
