@@ -141,32 +141,60 @@ struct BulkPack {
     });
   }
 
+  /// Some segments, one number of all of them after the other: looked up well before they are
+  /// wanted in lanes, as what is written number by number is not at once there to be read in packs.
+  struct SegmentBlock {
+    static constexpr std::size_t kMost = 64;
+    double numbers[8][kMost];
+
+    void load(const SegmentSource* segments, const std::uint32_t* index, std::size_t count) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const SegmentSource& segment = segments[index[i]];
+        const Vec3d &m = segment.middle, &h = segment.half;
+        numbers[0][i] = m.x, numbers[1][i] = m.y, numbers[2][i] = m.z;
+        numbers[3][i] = h.x, numbers[4][i] = h.y, numbers[5][i] = h.z;
+        numbers[6][i] = segment.weight, numbers[7][i] = segment.tau;
+      }
+      // Where a pack lacks some, they weigh nothing.
+      for (std::size_t i = count; i % N != 0; ++i) {
+        for (auto& number : numbers) number[i] = 0.0;
+        numbers[7][i] = 1.0;
+      }
+    }
+  };
   /// A segment a lane.
   struct Segments {
     Vec3<Pack<N>> middle, half;
     Pack<N> weight, tau;
 
-    Segments(const SegmentSource* segments, const std::uint32_t* index, std::size_t count)
-        : weight(0.0), tau(1.0) {
-      for (std::size_t lane = 0; lane < N && lane < count; ++lane) {
-        const SegmentSource& segment = segments[index[lane]];
-        const int i = static_cast<int>(lane);
-        const Vec3d& m = segment.middle;
-        const Vec3d& h = segment.half;
-        middle.x.lane[i] = m.x, middle.y.lane[i] = m.y, middle.z.lane[i] = m.z;
-        half.x.lane[i] = h.x, half.y.lane[i] = h.y, half.z.lane[i] = h.z;
-        weight.lane[i] = segment.weight, tau.lane[i] = segment.tau;
+    Segments(const SegmentBlock& block, std::size_t first) {
+      Pack<N>* const to[8] = {&middle.x, &middle.y, &middle.z, &half.x,
+                              &half.y,   &half.z,   &weight,   &tau};
+      for (std::size_t k = 0; k < 8; ++k) {
+        for (int lane = 0; lane < N; ++lane) {
+          to[k]->lane[lane] = block.numbers[k][first + static_cast<std::size_t>(lane)];
+        }
       }
     }
   };
+  /// Calls visit(first, some) for every pack of segments.
+  template <class Visit>
+  static void visit_segments(const SegmentSource* segments, const std::uint32_t* index,
+                             std::size_t count, const Visit& visit) {
+    SegmentBlock block;
+    for (std::size_t begin = 0; begin < count; begin += SegmentBlock::kMost) {
+      const std::size_t here = std::min(count - begin, SegmentBlock::kMost);
+      block.load(segments, index + begin, here);
+      for (std::size_t i = 0; i < here; i += N) visit(begin + i, Segments(block, i));
+    }
+  }
 
   CS2MESH_FLATTEN static void choose_far(const FarBounds& law, const FarFrame& frame,
                                          const SegmentSource* segments, const std::uint32_t* index,
                                          std::size_t count, FarChoice* choices,
                                          OctantErrors& errors) {
     std::array<Pack<N>, kOctantPairs> sums{};
-    for (std::size_t first = 0; first < count; first += N) {
-      const Segments some(segments, index + first, count - first);
+    visit_segments(segments, index, count, [&](std::size_t first, const Segments& some) {
       const FarSegments<Pack<N>> far(law, frame, some.middle, some.half, some.weight, some.tau);
       for (std::size_t k = 0; k < kOctantPairs; ++k) sums[k] += far.errors[k];
       for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
@@ -174,7 +202,7 @@ struct BulkPack {
         choices[first + lane] = {static_cast<std::uint8_t>(far.order.lane[i]),
                                  static_cast<std::uint8_t>(far.rule.lane[i])};
       }
-    }
+    });
     for (std::size_t k = 0; k < kOctantPairs; ++k) {
       for (int lane = 0; lane < N; ++lane) errors[k] += sums[k].lane[lane];
     }
@@ -214,16 +242,17 @@ struct BulkPack {
       waiting = 0;
     };
     for (std::size_t which = 0; which < lists.size(); ++which) {
-      const auto& [list, list_orders] = lists[which];
+      const auto& list = lists[which].segments;
+      const auto& list_orders = lists[which].orders;
       const NodeRule& rule = kNodeRules[which];
-      for (std::size_t first = 0; first < list.size(); first += N) {
-        const Segments some(segments, list.data() + first, list.size() - first);
+      const auto add_pack = [&](std::size_t first, const Segments& some) {
         for (std::size_t k = 0; k < rule.size; ++k) {
           orders[waiting] = list_orders[first];  // of a pack the highest
           places[waiting++] = place(some, rule.along[k], rule.part[k]);
           if (waiting == kMost) add();
         }
-      }
+      };
+      visit_segments(segments, list.data(), list.size(), add_pack);
     }
     for (; waiting % kAdded != 0; ++waiting) places[waiting] = {}, orders[waiting] = 0;
     add();

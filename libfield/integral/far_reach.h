@@ -198,7 +198,6 @@ class FarSegments {
       cot2 = select(ends, T(by.cot2), cot2), rest = select(ends, left, rest);
       order = select(ends, T(m - 1), order);
       open = open & !ends;
-      if (!any(open)) break;
     }
     const T scale = size_ / max(rest, T(1e-280)) * T(1 + 1e-12);
     for (std::size_t k = 0; k < kOctantPairs; ++k) {
