@@ -38,14 +38,7 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
   require(error_budget > 0, "the error budget must be positive");
   kernel_ = terms[tree_.elements().front().term].kernel.index();
   make_sources();
-  const auto count = [&](int nodes) { return NodeCount{nodes, node_factor(two_nu, nodes)}; };
-  for (std::size_t i = 0; i < sum_counts_.size(); ++i) sum_counts_[i] = count(kFarNodes[i]);
-  for (std::size_t i = 0; i < rule_counts_.size(); ++i) {
-    rule_counts_[i] = count(static_cast<int>(kNodeRules[i + 1].size));
-    law_.node_factors[i] = rule_counts_[i].factor;
-  }
-  law_.two_nu = two_nu;
-  law_.terms = far_terms(two_nu);
+  law_ = {two_nu, far_terms(two_nu), rule_bounds(two_nu), sum_bounds(two_nu)};
   for (int j = 0; j < kTauOrders; ++j) remainders_.emplace_back(two_nu + 2 * j);
   root_ = make_root(domain);
 }

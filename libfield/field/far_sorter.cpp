@@ -17,9 +17,6 @@ constexpr double kGreatestShare = 1.0 / 32;
 constexpr std::size_t kManyNodes = 64, kSampleStep = 8;
 /// What an element of a leaf may leave open at first, as a multiple of its part of the budget.
 constexpr double kLeafShare = 4.0;
-/// No number of nodes will do for segments whose squared length, relative to their distance, is
-/// greater.
-constexpr double kLongest2 = 4.0;
 /// Elements of a node look alike where its radius is at most this part of the distance.
 constexpr double kAlike = 1.0 / 10;
 /// So few elements that none of them reaches the cell are looked at again by its children.
@@ -117,27 +114,28 @@ void FarField::Sorter::sum_up_elements() {
 }
 
 void FarField::Sorter::finish(double budget) {
-  std::vector<std::uint32_t> all;
+  std::vector<std::uint32_t> all, segments;
   field_.visit_unresolved(cell_, [&](std::uint32_t element) { all.push_back(element); });
   std::sort(all.begin(), all.end());
-  double each = budget * kLeafShare / static_cast<double>(std::max<std::size_t>(all.size(), 1));
+  cell_.points.clear();
+  for (const std::uint32_t element : all) {
+    const bool segment = field_.tree_.elements()[element].length > 0;
+    (segment ? segments : cell_.points).push_back(element);
+  }
+  if (segments.empty()) return;
+  std::vector<std::uint8_t> choices(segments.size());
+  double most = budget * kLeafShare / static_cast<double>(segments.size());
   for (;;) {
-    cell_.near.clear(), cell_.points.clear();
-    for (auto& segments : cell_.segments) segments.clear();
-    double error = 0.0;
-    for (const std::uint32_t element : all) {
-      const FarElement& shape = field_.tree_.elements()[element];
-      if (!(shape.length > 0)) {
-        cell_.points.push_back(element);
-        continue;
-      }
-      const double s = nearest2(squared_distance(shape, cell_.center), shape.tau);
-      const auto nodes = nodes_for(shape.length, shape.mass(), s, field_.sum_counts_, each);
-      (nodes ? cell_.segments[nodes->entry] : cell_.near).push_back(element);
-      error += nodes ? nodes->error : 0.0;
-    }
-    if (error <= budget) return;
-    each *= std::min(0.9, 0.85 * budget / error);
+    const double error = bulk_table().choose_nodes(field_.law_, {cell_.center, cell_.half, most},
+                                                   field_.segments_.data(), segments.data(),
+                                                   segments.size(), choices.data());
+    if (error <= budget) break;
+    most *= std::min(0.9, 0.85 * budget / error);
+  }
+  cell_.near.clear();
+  for (auto& some : cell_.segments) some.clear();
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    (choices[i] > 0 ? cell_.segments[choices[i] - 1U] : cell_.near).push_back(segments[i]);
   }
 }
 
@@ -195,19 +193,18 @@ FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, dou
   const Truncation cut =
       remainders.lowest_order(r * r * over, share2(farthest_reach), most / heaviest);
   if (!(heaviest * cut.error <= most)) return Reach::mixed;
-  const auto nodes =
-      nodes_for(node.longest, node.heaviest, nearest2(nearest * nearest, node.least_tau),
-                field_.rule_counts_, most);
-  if (!nodes) return Reach::mixed;
+  const double near = std::max(0.0, nearest - r);
+  const auto rule = rule_for(node.longest, node.heaviest, near * near + node.least_tau, most);
+  if (!rule) return Reach::mixed;
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
     const bool segment = field_.tree_.elements()[i].length > 0;
     taken_.push_back({i,
                       {static_cast<std::uint8_t>(kFarOrders[cut.order]),
-                       static_cast<std::uint8_t>(segment ? nodes->entry + 1 : 0)}});
+                       static_cast<std::uint8_t>(segment ? rule->entry : 0)}});
   }
   for (std::size_t k = 0; k < kOctantPairs; ++k) {
     const double error = remainders.error(cut.order, r * r * over, share2(reach[k]));
-    errors_[k] += node.mass / node.heaviest * (heaviest * error + nodes->error);
+    errors_[k] += node.mass / node.heaviest * (heaviest * error + rule->error);
   }
   return Reach::far;
 }
@@ -293,27 +290,19 @@ void FarField::Sorter::sort_single(double each) {
   }
 }
 
-/// <= |x - q|^2 + tau for x in the cell and q at squared distance d2 or more from its centre.
-double FarField::Sorter::nearest2(double d2, double tau) const {
-  const double nearest = std::max(0.0, std::sqrt(d2) - cell_.radius());
-  return nearest * nearest + tau;
-}
-
-/// As how few nodes (one of the counts) a segment of that length and mass may be summed from
-/// squared distance s on; none if the error of no number is at most `most`.
-std::optional<FarField::Sorter::Choice> FarField::Sorter::nodes_for(
-    double length, double mass, double s, std::span<const NodeCount> counts, double most) const {
-  if (!(length > 0)) return Choice{};
-  const double length2 = length * length;
-  if (length2 > kLongest2 * s) return std::nullopt;
-  const double over = 1 / s, ratio = length2 * over;
-  const double size = mass * half_power(field_.two_nu_, over);
-  double power = 1.0;
-  int power_of = 0;
-  for (std::size_t i = 0; i < counts.size(); ++i) {
-    for (; power_of < counts[i].nodes; ++power_of) power *= ratio;
-    const double error = size * counts[i].factor * power;
-    if (error <= most) return Choice{i, error};
+/// By which rule segments up to that length and mass may be taken from squared distance s on; none
+/// if the error of no number of nodes is at most `most`.
+std::optional<FarField::Sorter::Rule> FarField::Sorter::rule_for(double length, double mass,
+                                                                 double s, double most) const {
+  if (!(length > 0)) return Rule{};
+  if (!(length * length <= 4 * s)) return std::nullopt;
+  const double two_nu = field_.two_nu_, y = node_ellipse(0.5 * length, std::sqrt(s));
+  const double size = mass * inverse_power(two_nu, s);  // rho H >= 2 sqrt(s)
+  for (std::size_t i = 0; i < field_.law_.rules.size(); ++i) {
+    const NodeBound& bound = field_.law_.rules[i];
+    const NodeError<double> here(two_nu, bound, y, std::pow(y, bound.nodes));
+    const double error = size * here.over / here.under * (1 + 1e-12);
+    if (here.under > 0 && error <= most) return Rule{i + 1, error};
   }
   return std::nullopt;
 }

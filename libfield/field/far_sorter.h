@@ -45,14 +45,12 @@ class FarField::Sorter {
   double corner_share(double reach, double s, double radius) const;
   double spread_remainder(double q, double spread) const;
   void sort_single(double each);
-  /// An entry of an array, with a bound of the error that comes with it.
-  struct Choice {
+  /// An entry of kNodeRules, with a bound of the error that comes with it.
+  struct Rule {
     std::size_t entry = 0;
     double error = 0.0;
   };
-  std::optional<Choice> nodes_for(double length, double mass, double s,
-                                  std::span<const NodeCount> counts, double most) const;
-  double nearest2(double d2, double tau) const;
+  std::optional<Rule> rule_for(double length, double mass, double s, double most) const;
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
                   const double* moments, double size) const;
   void sum_up();

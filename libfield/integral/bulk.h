@@ -77,6 +77,7 @@ struct BulkTable {
   AddSegments<Jet> segment_jets;
   AddSegments<double> segment_values;
   ChooseFar choose_far;
+  ChooseNodes choose_nodes;
   AddNodes add_nodes;
   AddSources add_sources;
   AddMoments add_moments;

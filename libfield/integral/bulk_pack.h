@@ -208,6 +208,26 @@ struct BulkPack {
     }
   }
 
+  CS2MESH_FLATTEN static double choose_nodes(const FarBounds& law, const FarFrame& frame,
+                                             const SegmentSource* segments,
+                                             const std::uint32_t* index, std::size_t count,
+                                             std::uint8_t* choices) {
+    using P = Pack<N>;
+    P sum(0);
+    visit_segments(segments, index, count, [&](std::size_t first, const Segments& some) {
+      const Vec3<P> d{P(frame.center.x) - some.middle.x, P(frame.center.y) - some.middle.y,
+                      P(frame.center.z) - some.middle.z};
+      const FarNodes<P> nodes(law.two_nu, frame, law.sums, d, some.half, some.weight, some.tau);
+      sum += select(nodes.entry > P(0), nodes.error, P(0));
+      for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
+        choices[first + lane] = static_cast<std::uint8_t>(nodes.entry.lane[static_cast<int>(lane)]);
+      }
+    });
+    double error = 0.0;
+    for (int lane = 0; lane < N; ++lane) error += sum.lane[lane];
+    return error;
+  }
+
   CS2MESH_FLATTEN static void add_nodes(double two_nu, const SeriesFrame& frame,
                                         const SegmentSource* segments, const NodeLists& lists,
                                         double* sums) {
@@ -403,8 +423,9 @@ struct BulkPack {
   static consteval BulkTable table() {
     return {row<Jet>(),         row<double>(),         weights<Jet>(),   weights<double>(),
             points<Jet>(),      points<double>(),      triangles<Jet>(), triangles<double>(),
-            &add_segments<Jet>, &add_segments<double>, &choose_far,      &add_nodes,
-            &add_sources,       &add_moments,          &add_series<Jet>, &add_series<double>};
+            &add_segments<Jet>, &add_segments<double>, &choose_far,      &choose_nodes,
+            &add_nodes,         &add_sources,          &add_moments,     &add_series<Jet>,
+            &add_series<double>};
   }
 };
 

@@ -33,6 +33,7 @@
 #include <cstdint>
 #include <numbers>
 
+#include "libfield/integral/far_nodes.h"
 #include "libfield/integral/far_sum.h"
 
 namespace cs2mesh {
@@ -76,12 +77,12 @@ FarTerms far_terms(double two_nu);
 /// 4; c2 the square of c.
 double far_share(double two_nu, int m, double c2);
 
-/// What segments are sorted by.
+/// What segments are sorted by, for 2 nu of 1, 2 and 4.
 struct FarBounds {
   double two_nu = 0.0;
   FarTerms terms{};
-  /// node_factor() of each rule of kNodeRules but the first.
-  std::array<double, kNodeRules.size() - 1> node_factors{};
+  NodeBounds<kNodeRules.size() - 1> rules{};
+  NodeBounds<kFarNodes.size()> sums{};
 };
 
 /// A cell that has segments far from it. What one leaves open is at most `most` by its order and
@@ -103,7 +104,67 @@ using ChooseFar = void (*)(const FarBounds& law, const FarFrame& frame,
                            const SegmentSource* segments, const std::uint32_t* index,
                            std::size_t count, FarChoice* choices, OctantErrors& errors);
 
+/// As how few nodes each of the segments, none of them a point, may be summed anywhere in the cell:
+/// 1 + an entry of kFarNodes; 0 where the error of no number is at most `most`. Returns a bound of
+/// the errors of the others.
+using ChooseNodes = double (*)(const FarBounds& law, const FarFrame& frame,
+                               const SegmentSource* segments, const std::uint32_t* index,
+                               std::size_t count, std::uint8_t* choices);
+
 namespace detail {
+
+/// x^nu.
+template <class T>
+T far_power(double two_nu, const T& x) {
+  using std::sqrt;
+  return two_nu == 4.0 ? T(x * x) : two_nu == 2.0 ? x : T(sqrt(x));
+}
+
+inline constexpr double kCorner = 1.7320508075688774;  ///< of a cube, from its centre
+
+/// The squared distance of the segment from -half to half, or of a point, to d.
+template <class T>
+T distance2(const Vec3<T>& d, const Vec3<T>& half) {
+  using std::max;
+  using std::min;
+  const T along = fma(d.x, half.x, fma(d.y, half.y, d.z * half.z));
+  const T foot = max(min(T(along / max(squared_norm(half), T(1e-280))), T(1)), T(-1));
+  return squared_norm<T>({d.x - foot * half.x, d.y - foot * half.y, d.z - foot * half.z});
+}
+
+/// A number of nodes for a segment a lane: 1 + an entry of a list, 0 for none, and its error.
+template <class T>
+struct FarNodes {
+  T entry{}, error{};
+
+  template <std::size_t Count>
+  FarNodes(double two_nu, const FarFrame& frame, const NodeBounds<Count>& bounds, const Vec3<T>& d,
+           const Vec3<T>& half, const T& weight, const T& tau) {
+    using std::abs;
+    using std::max;
+    using std::sqrt;
+    const T half2 = max(squared_norm(half), T(1e-280));
+    const T y = node_ellipse(d, half, T(sqrt(half2)), tau, frame.half);
+    const T size = abs(weight) * far_power(two_nu, T(T(4) * y / half2));
+    MaskOf<T> open(true);
+    if (two_nu != 4.0) {
+      // Within less than half of its length a segment may be clamped.
+      const T nearest = sqrt(distance2(d, half)) - T(kCorner * (1 + 1e-12) * frame.half);
+      open = nearest * abs(nearest) >= half2;
+    }
+    T over(0), under(1), power(1);
+    int nodes = 0;
+    for (std::size_t i = 0; i < Count; ++i) {
+      for (; nodes < bounds[i].nodes; ++nodes) power *= y;
+      const NodeError<T> here(two_nu, bounds[i], y, power);
+      const auto ends = open & (T(size * here.over) <= T(T(frame.most) * here.under));
+      over = select(ends, here.over, over), under = select(ends, here.under, under);
+      entry = select(ends, T(static_cast<double>(i + 1)), entry);
+      open = open & !ends;
+    }
+    error = size * over / under * T(1 + 1e-12);
+  }
+};
 
 /// A segment a lane, and how it is taken. None is whose weight is 0.
 template <class T>
@@ -121,28 +182,22 @@ class FarSegments {
     using std::sqrt;
     const Vec3<T> d{T(frame.center.x) - middle.x, T(frame.center.y) - middle.y,
                     T(frame.center.z) - middle.z};
-    const T half2 = squared(half), along = fma(d.x, half.x, fma(d.y, half.y, d.z * half.z));
-    const T foot = max(min(T(along / max(half2, T(1e-280))), T(1)), T(-1));
-    const T nearest2 = squared({d.x - foot * half.x, d.y - foot * half.y, d.z - foot * half.z});
-    over_ = T(1) / (nearest2 + tau);
-    size_ = abs(weight) * power(over_);
+    over_ = T(1) / (distance2(d, half) + tau);
+    size_ = abs(weight) * far_power(law.two_nu, over_);
     const double radius = kCorner * frame.half * (1 + 1e-12);
     const T q = T(radius) * sqrt(over_);
     find_order(q, T(frame.most), ends(d, half));
-    const T near = max(sqrt(nearest2) - T(radius), T(0));
-    find_rule(half2, T(1) / fma(near, near, tau), abs(weight), T(frame.most));
+    const FarNodes<T> nodes(law.two_nu, frame, law.rules, d, half, weight, tau);
+    const auto segment = squared_norm(half) > T(0);
+    const auto is_far = (order > T(0)) & ((!segment) | (nodes.entry > T(0)));
+    order = select(is_far, order, T(0));
+    rule = select(segment, nodes.entry, T(0));
+    for (T& sum : errors) {
+      sum = select(is_far, T(sum + select(segment, nodes.error, T(0))), T(0));
+    }
   }
 
  private:
-  static constexpr double kCorner = 1.7320508075688774;
-
-  static T squared(const Vec3<T>& v) { return fma(v.x, v.x, fma(v.y, v.y, v.z * v.z)); }
-  /// x^nu.
-  T power(const T& x) const {
-    using std::sqrt;
-    return law_.two_nu == 4.0 ? x * x : law_.two_nu == 2.0 ? x : sqrt(x);
-  }
-
   /// c^2 by pairs of octants, of all places on the segments: what it depends on is convex.
   std::array<T, kOctantPairs> ends(const Vec3<T>& d, const Vec3<T>& half) const {
     using std::max;
@@ -219,26 +274,6 @@ class FarSegments {
     };
     take(8, x4), take(4, x2), take(2, x);
     return product;
-  }
-
-  /// Leaves out what no number of nodes will do for; `over` for the nearest place of the cell.
-  void find_rule(const T& half2, const T& over, const T& mass, const T& most) {
-    const T ratio = T(4) * half2 * over, size = mass * power(over);
-    T error(0);
-    auto open = half2 > T(0);
-    T product(1);
-    std::size_t nodes = 0;
-    for (std::size_t i = 0; i < law_.node_factors.size(); ++i) {
-      for (; nodes < kNodeRules[i + 1].size; ++nodes) product *= ratio;
-      const T left = size * T(law_.node_factors[i]) * product;
-      const auto ends = open & (left <= most);
-      error = select(ends, left, error);
-      rule = select(ends, T(static_cast<double>(i + 1)), rule);
-      open = open & !ends;
-    }
-    const auto is_far = (order > T(0)) & (!open);
-    order = select(is_far, order, T(0));
-    for (T& sum : errors) sum = select(is_far, T(sum + error), T(0));
   }
 
   const FarBounds& law_;

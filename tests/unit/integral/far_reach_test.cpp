@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "libfield/base/random.h"
-#include "libfield/field/far_nodes.h"
 #include "libfield/integral/bulk.h"
 #include "tests/unit/simd/every_isa.h"
 
@@ -19,11 +18,7 @@ namespace cs2mesh {
 namespace {
 
 FarBounds bounds_for(double two_nu) {
-  FarBounds bounds{two_nu, far_terms(two_nu), {}};
-  for (std::size_t i = 0; i < bounds.node_factors.size(); ++i) {
-    bounds.node_factors[i] = node_factor(two_nu, static_cast<int>(kNodeRules[i + 1].size));
-  }
-  return bounds;
+  return {two_nu, far_terms(two_nu), rule_bounds(two_nu), sum_bounds(two_nu)};
 }
 
 /// By the middles of many parts of it.
@@ -169,6 +164,51 @@ TEST(FarReach, SegmentsAboutTheCenterAreNotFar) {
     for (const std::size_t i : {0, 1, 2}) EXPECT_EQ(choices[i].order, 0);
     EXPECT_NE(choices[3].order, 0);
     EXPECT_LE(greatest(errors), 1e-3);
+  });
+}
+
+TEST(FarReach, NodesLeaveNoMoreOpenThanIsCounted) {
+  const Vec3d center{0.2, 0.1, -0.3};
+  constexpr double kHalf = 0.4;
+  testing::with_every_isa([&](Isa) {
+    for (const double two_nu : {1.0, 2.0, 4.0}) {
+      const FarBounds bounds = bounds_for(two_nu);
+      Random random(13);
+      double tightest = 0.0;
+      std::array<std::size_t, kFarNodes.size() + 1> taken{};
+      for (int i = 0; i < 400; ++i) {
+        const SegmentSource segment{center + random.uniform(0.3, 4.0) * random.direction(),
+                                    random.uniform(0.1, 1.2) * random.direction(),
+                                    i % 2 == 0 ? 0.9 : -1.4,
+                                    i % 3 == 0 ? random.uniform(0.0, 1.0) : 0.002};
+        const std::uint32_t index = 0;
+        std::uint8_t choice = 0;
+        const double error = bulk_table().choose_nodes(
+            bounds, {center, kHalf, std::pow(10.0, random.uniform(-11.0, -3.0))}, &segment, &index,
+            1, &choice);
+        ++taken[choice];
+        if (choice == 0) {
+          EXPECT_EQ(error, 0.0);
+          continue;
+        }
+        for (int k = 0; k < 60; ++k) {
+          const auto side = [&] { return random.uniform() < 0.5 ? -kHalf : kHalf; };
+          Vec3d x{side(), side(), side()};
+          if (k % 3 > 0) x = random.uniform() * x;
+          if (k % 3 > 1) x[static_cast<std::size_t>(k) / 3 % 3] = random.uniform(-kHalf, kHalf);
+          const Vec3d p = center + x;
+          double sum = 0.0;
+          bulk_table().add_segments<double>()(two_nu, choice - 1U, &segment, &index, 1, &p, &sum,
+                                              1);
+          const double exact = exact_at(two_nu, segment, p), left = std::abs(sum - exact);
+          ASSERT_LE(left, error + 1e-13 * std::abs(exact)) << two_nu << ", segment " << i;
+          if (error > 1e-10) tightest = std::max(tightest, left / error);
+        }
+      }
+      EXPECT_GT(tightest, 0.1) << two_nu;
+      if (two_nu != 4.0) continue;  // near a segment that may be clamped, no number will do
+      for (const std::size_t count : taken) EXPECT_GT(count, 5U);
+    }
   });
 }
 
