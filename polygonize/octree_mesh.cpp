@@ -60,7 +60,8 @@ std::optional<Vec3d> foot_in(const SurfaceOctree& tree, Octree::Index leaf, std:
     const double way = leveled(jet.value) / slope;
     point -= way / slope * jet.gradient;
     if (!box.contains(point)) return std::nullopt;
-    if (std::abs(way) <= kThere * side) return point;
+    // At the edge of a support the logarithm makes short steps, too, far from the surface.
+    if (first_order_distance(jet, side) <= kThere * side) return point;
     jet = tree.surface_at(leaf).jet(point);
     ++jets;
   }

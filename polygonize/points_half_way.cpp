@@ -59,7 +59,8 @@ std::vector<Vec3d> points_half_way(const ImplicitSurface& surface, const Surface
       const double slope = norm_of_any(jets[i].gradient);
       const double way = leveled(jets[i].value) / slope;
       const double side = tree.octree().side(tree.octree()[leaves[i]].level);
-      if (std::abs(way) <= close) {
+      // At the edge of a support the logarithm makes short steps, too, far from the surface.
+      if (first_order_distance(jets[i], HUGE_VAL) <= close) {
         found.push_back(points[i]);
       } else if (std::abs(way) <= side) {
         points[kept] = points[i] - way / slope * jets[i].gradient;

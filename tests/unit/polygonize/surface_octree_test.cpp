@@ -12,7 +12,10 @@
 #include "polygonize/adaptive_mesher.h"
 #include "polygonize/check.h"
 #include "polygonize/metrology.h"
+#include "polygonize/octree_mesh.h"
+#include "polygonize/remesh.h"
 #include "polygonize/tolerance.h"
+#include "polygonize/triangle_sample.h"
 #include "tests/unit/polygonize/analytic_surfaces.h"
 
 namespace cs2mesh {
@@ -128,6 +131,28 @@ TEST(SurfaceOctree, IsNoFinerForTheEdgesOfFiniteSupports) {
     EXPECT_LT(cells_of(stiff(kind, ball)), 10 * gaussian_ball);
     EXPECT_LT(cells_of(stiff(kind, ring)), 40 * gaussian_ball);
   }
+}
+
+/// What is put down as being on the surface is, also where F ends within less than a tolerance of
+/// it: just there its logarithm is far steeper than any distance.
+TEST(AdaptiveMesher, RemembersNoPointsBesideTheSurface) {
+  const Result<CompiledScene> compiled =
+      stiff(KernelKind::quartic, make_arc({0, 0, 0}, 1.2, {0, 0, 1}, 0, 360));
+  const ImplicitSurface& surface = *compiled->parts[0].surface;
+  RemeshOptions remeshing;
+  remeshing.tolerance = 0.0065;
+  SurfaceOctreeOptions options;
+  options.tolerance = remeshing.tolerance;
+  options.smallest = 1.0 / 64;
+  const Result<SurfaceOctree> tree = SurfaceOctree::build(surface, options);
+  const OctreeMesh first = mesh_octree(surface, *tree);
+  RemeshStatistics log;
+  remesh(surface, *tree, first.mesh, first.leaf_of, remeshing, &log);
+  ASSERT_GT(log.on_surface.size(), 1000U);
+  for (const Vec3d& p : log.on_surface) {
+    EXPECT_LT(first_order_distance(surface.jet(p), HUGE_VAL), 0.1 * remeshing.tolerance);
+  }
+  for (const Vec3d& p : first.bulges) EXPECT_LT(std::abs(surface.value(p)), 1e-6);
 }
 
 /// A ball of whose gradient nothing is known.
