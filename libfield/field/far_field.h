@@ -5,9 +5,8 @@
 // A cell of the octree holds the Taylor series about its centre of all that is far from it: what
 // its parent held, moved, and what has become far since. What is never far stays listed: within a
 // leaf an element of the list is summed exactly where it is near, else as a few weighted points
-// (Gauss-Legendre). Every approximation carries a bound of its error (taylor_series.h; for n nodes
-// that of the 2n-th derivative), and the bounds along the way from the root to a leaf add up to at
-// most the error budget.
+// (Gauss-Legendre). Every approximation carries a bound of its error (far_reach.h, far_nodes.h),
+// and the bounds along the way from the root to a leaf add up to at most the error budget.
 #pragma once
 
 #include <array>
@@ -16,10 +15,10 @@
 #include <span>
 #include <vector>
 
-#include "libfield/field/far_nodes.h"
 #include "libfield/field/far_remainders.h"
 #include "libfield/field/source_tree.h"
 #include "libfield/field/term_bounds.h"
+#include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/integral/segment_sum.h"
@@ -97,10 +96,9 @@ class FarField {
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;
-  std::array<NodeCount, kFarNodes.size()> sum_counts_{};        ///< for sums
-  std::array<NodeCount, kNodeRules.size() - 1> rule_counts_{};  ///< for series
-  std::vector<SegmentSource> segments_;                         ///< the elements, points among them
-  std::vector<PointSource> points_;  ///< those that are points, by element; empty without any
+  FarBounds law_;                        ///< of single elements
+  std::vector<SegmentSource> segments_;  ///< the elements, points among them
+  std::vector<PointSource> points_;      ///< those that are points, by element; empty without any
   std::unique_ptr<Cell> root_;
 };
 

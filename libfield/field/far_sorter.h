@@ -9,6 +9,7 @@
 
 #include "libfield/field/far_cell.h"
 #include "libfield/field/far_remainders.h"
+#include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 
 namespace cs2mesh {
@@ -18,10 +19,10 @@ class FarField::Sorter {
   Sorter(const FarField& field, Cell& cell) : field_(field), cell_(cell) {}
 
   /// Moves what is far enough of these nodes and elements into the cell's series, and the others
-  /// into its lists. Returns a bound of the error anywhere in the cell, at most `budget`; `guess`
-  /// is the first try of the share of it that one source may have.
-  double sort(const std::vector<std::uint32_t>& nodes, const std::vector<std::uint32_t>& elements,
-              double budget, double guess);
+  /// into its lists. Returns bounds of the error in the cell, at most `budget`; `guess` is the
+  /// first try of the share of it that one source may have.
+  OctantErrors sort(const std::vector<std::uint32_t>& nodes,
+                    const std::vector<std::uint32_t>& elements, double budget, double guess);
 
   /// Divides what a leaf still lists into what is near and what a few points stand for.
   void finish(double budget);
@@ -31,7 +32,7 @@ class FarField::Sorter {
   /// An element that goes into the series.
   struct Taken {
     std::uint32_t element;
-    std::uint8_t order, rule;  ///< entries of kFarOrders and kNodeRules
+    FarChoice choice;
   };
 
   void clear();
@@ -41,28 +42,26 @@ class FarField::Sorter {
   enum class Reach { far, mixed, near };
   Reach take_elements(std::uint32_t index, double each);
   bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
-  double corner_share(double l1, double s, double radius) const;
-  static double corner_share2(double l1, double over);
+  double corner_share(double reach, double s, double radius) const;
   double spread_remainder(double q, double spread) const;
-  void sort_element(std::uint32_t index, double each);
-  /// An entry of an array, with a bound of the error that comes with it.
-  struct Choice {
+  void sort_single(double each);
+  /// An entry of kNodeRules, with a bound of the error that comes with it.
+  struct Rule {
     std::size_t entry = 0;
     double error = 0.0;
   };
-  std::optional<Choice> nodes_for(double length, double mass, double s,
-                                  std::span<const NodeCount> counts, double most) const;
-  double nearest2(double d2, double tau) const;
+  std::optional<Rule> rule_for(double length, double mass, double s, double most) const;
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
                   const double* moments, double size) const;
-  void take_element(std::uint32_t index, std::size_t order, std::size_t nodes);
   void sum_up();
   void sum_up_elements();
 
   const FarField& field_;
   Cell& cell_;
-  double error_ = 0.0;
+  OctantErrors errors_{};
   std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
+  std::vector<std::uint32_t> single_;         ///< elements to be sorted one by one
+  std::vector<FarChoice> choices_;            ///< of these
   std::vector<Taken> taken_;
 };
 

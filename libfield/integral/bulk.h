@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "libfield/base/jet.h"
+#include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/frames.h"
 #include "libfield/integral/point_sum.h"
@@ -75,6 +76,8 @@ struct BulkTable {
   TriangleRow<double> triangle_values;
   AddSegments<Jet> segment_jets;
   AddSegments<double> segment_values;
+  ChooseFar choose_far;
+  ChooseNodes choose_nodes;
   AddNodes add_nodes;
   AddSources add_sources;
   AddMoments add_moments;
