@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
 
@@ -37,28 +38,56 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
   require(!tree_.elements().empty(), "a far field needs elements");
   require(error_budget > 0, "the error budget must be positive");
   kernel_ = terms[tree_.elements().front().term].kernel.index();
-  make_sources();
+  make_sources(domain);
   const auto count = [&](int nodes) { return NodeCount{nodes, node_factor(two_nu, nodes)}; };
   for (std::size_t i = 0; i < sum_counts_.size(); ++i) sum_counts_[i] = count(kFarNodes[i]);
   for (std::size_t i = 0; i < rule_counts_.size(); ++i) {
     rule_counts_[i] = count(static_cast<int>(kNodeRules[i + 1].size));
   }
+  for (std::size_t i = 0; i < chord_factors_.size(); ++i) {
+    chord_factors_[i] = chord_factor(two_nu, kChordCounts[i]);
+  }
   for (int j = 0; j < kTauOrders; ++j) remainders_.emplace_back(two_nu + 2 * j);
   root_ = make_root(domain);
 }
 
-void FarField::make_sources() {
+void FarField::make_sources(const Aabb& domain) {
+  Aabb all = domain;
   const std::size_t count = tree_.elements().size();
+  all.include(tree_.node(0).box);
+  const double reach = all.diagonal();
   segments_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const FarElement& element = tree_.elements()[i];
     const double weight = std::copysign(element.mass(), element.weight);
     segments_.push_back({element.middle(), 0.5 * (element.b - element.a), weight, element.tau});
+    if (element.is_triangle()) make_triangle(i, reach);
     if (element.length > 0) continue;
     points_.resize(count);
     const Term& term = (*terms_)[element.term];
     points_[i] = point_source(term.kernel, Point{element.a}, term.sign);
   }
+}
+
+/// `reach`: how far a place may be from it.
+void FarField::make_triangle(std::size_t element, double reach) {
+  constexpr double kGreatest = 1e18;
+  const Term& term = (*terms_)[tree_.elements()[element].term];
+  const auto* cauchy = std::get_if<Cauchy>(&term.kernel);
+  if (cauchy == nullptr || !(cauchy->s * reach < kGreatest)) return;
+  const auto& frame = *std::get<std::shared_ptr<const TriangleFrame<double>>>(term.frame);
+  triangle_number_.resize(tree_.elements().size());
+  triangle_number_[element] = static_cast<std::uint32_t>(triangles_.size());
+  triangles_.push_back(triangle_source(*cauchy, frame, term.sign));
+}
+
+/// What the bulk sum leaves open of an element that is a triangle; infinite if there is none.
+double FarField::rounding_of(std::uint32_t triangle) const {
+  if (triangle_number_.empty() || !triangle_number_[triangle]) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Term& term = (*terms_)[tree_.elements()[triangle].term];
+  return triangle_rounding(std::get<Cauchy>(term.kernel));
 }
 
 FarField::~FarField() = default;
@@ -93,7 +122,9 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
       cell.level == kMostLevels - 1 || stuck || (cell.listed <= kLongestList && holds_few(cell));
   if (!cell.leaf && cell.listed > kShortList) return;
   sorter.finish(error_budget_ - cell.error);
-  cell.leaf = cell.leaf || (cell.near.size() <= kMostNear && cell.points.size() <= kMostPoints);
+  cell.leaf = cell.leaf || (cell.near.size() + kTriangleWork * cell.triangles.size() <= kMostNear &&
+                            cell.points.size() <= kMostPoints);
+
   if (!cell.leaf) cell.forget_shares();
 }
 
@@ -171,11 +202,20 @@ void FarField::add_cell(const Cell* leaf, std::span<const Vec3d> points,
     table.point_row<Out>()[kernel_](points_.data(), cell.points.data(), cell.points.size(),
                                     points.data(), sums.data(), points.size());
   }
+  thread_local ChordSources chords;
   for (std::size_t which = 0; which < kFarNodes.size(); ++which) {
-    const std::vector<std::uint32_t>& segments = cell.segments[which];
-    if (segments.empty()) continue;
-    table.add_segments<Out>()(two_nu_, which, segments_.data(), segments.data(), segments.size(),
-                              points.data(), sums.data(), points.size());
+    const auto add = [&](const SegmentSource* sources, std::span<const std::uint32_t> list) {
+      if (list.empty()) return;
+      table.add_segments<Out>()(two_nu_, which, sources, list.data(), list.size(), points.data(),
+                                sums.data(), points.size());
+    };
+    add(segments_.data(), cell.segments[which]);
+    chords.set(cell.chords[which], tree_.elements());
+    add(chords.sources().data(), chords.all());
+  }
+  if (!cell.triangles.empty()) {
+    table.add_triangles<Out>()(triangles_.data(), cell.triangles.data(), cell.triangles.size(),
+                               points.data(), sums.data(), points.size());
   }
   for (const std::uint32_t element : cell.near) {
     accumulate((*terms_)[tree_.elements()[element].term], points, sums);

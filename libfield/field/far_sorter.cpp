@@ -49,8 +49,11 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
   }
   cell_.share = each / budget;
   sum_up();
-  cell_.listed = cell_.elements.size();
-  for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).count;
+  cell_.listed = 0;
+  for (const std::uint32_t element : cell_.elements) {
+    cell_.listed += field_.tree_.elements()[element].is_triangle() ? kTriangleWork : 1;
+  }
+  for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).work();
   return error_;
 }
 
@@ -66,7 +69,7 @@ void FarField::Sorter::clear() {
   for (ByOrder& by_order : clusters_) {
     for (auto& sources : by_order) sources.clear();
   }
-  taken_.clear();
+  taken_.clear(), taken_chords_.clear(), chords_.clear();
   cell_.nodes.clear(), cell_.elements.clear();
   error_ = 0.0;
 }
@@ -80,22 +83,34 @@ void FarField::Sorter::sum_up() {
                         clusters_[j][i].data(), clusters_[j][i].size(), cell_.series.data());
     }
   }
-  if (!taken_.empty()) sum_up_elements();
+  if (!taken_.empty() || !chords_.empty()) sum_up_elements();
+}
+
+void FarField::Sorter::sum_up_elements() {
+  HarmonicSums sums{};
+  if (!taken_.empty()) add_taken(taken_, field_.segments_.data(), sums);
+  if (!chords_.empty()) {
+    ChordSources sources;
+    sources.set(chords_, field_.tree_.elements());
+    add_taken(taken_chords_, sources.sources().data(), sums);
+  }
+  add_harmonics(sums, cell_.series);
 }
 
 /// By rule, then by falling order, then in the order in which they were taken.
-void FarField::Sorter::sum_up_elements() {
+void FarField::Sorter::add_taken(std::span<const Taken> all, const SegmentSource* sources,
+                                 HarmonicSums& sums) const {
   constexpr std::size_t orders = kFarOrders.size();
   const auto place = [&](const Taken& taken) {
     return orders * taken.rule + (orders - 1 - taken.order);
   };
   std::array<std::uint32_t, orders * kNodeRules.size() + 1> begin{};
-  for (const Taken& taken : taken_) ++begin[place(taken) + 1];
+  for (const Taken& taken : all) ++begin[place(taken) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> elements(taken_.size());
-  std::vector<std::uint8_t> degrees(taken_.size());
+  std::vector<std::uint32_t> elements(all.size());
+  std::vector<std::uint8_t> degrees(all.size());
   auto next = begin;
-  for (const Taken& taken : taken_) {
+  for (const Taken& taken : all) {
     const std::uint32_t to = next[place(taken)]++;
     elements[to] = taken.element;
     degrees[to] = static_cast<std::uint8_t>(kFarOrders[taken.order]);
@@ -108,10 +123,7 @@ void FarField::Sorter::sum_up_elements() {
     lists[rule] = {std::span(elements).subspan(first, count),
                    std::span(degrees).subspan(first, count)};
   }
-  HarmonicSums sums{};
-  bulk_table().add_nodes(field_.two_nu_, {cell_.center, cell_.half}, field_.segments_.data(), lists,
-                         sums.data());
-  add_harmonics(sums, cell_.series);
+  bulk_table().add_nodes(field_.two_nu_, {cell_.center, cell_.half}, sources, lists, sums.data());
 }
 
 void FarField::Sorter::finish(double budget) {
@@ -120,8 +132,9 @@ void FarField::Sorter::finish(double budget) {
   std::sort(all.begin(), all.end());
   double each = budget * kLeafShare / static_cast<double>(std::max<std::size_t>(all.size(), 1));
   for (;;) {
-    cell_.near.clear(), cell_.points.clear();
+    cell_.near.clear(), cell_.points.clear(), cell_.triangles.clear();
     for (auto& segments : cell_.segments) segments.clear();
+    for (auto& chords : cell_.chords) chords.clear();
     error_ = 0.0;
     for (const std::uint32_t element : all) {
       const FarElement& shape = field_.tree_.elements()[element];
@@ -130,6 +143,10 @@ void FarField::Sorter::finish(double budget) {
         continue;
       }
       const double s = nearest2(squared_distance(shape, cell_.center), shape.tau);
+      if (shape.is_triangle()) {
+        list_triangle(element, s, each);
+        continue;
+      }
       const auto nodes = nodes_for(shape.length, shape.mass(), s, field_.sum_counts_, each);
       (nodes ? cell_.segments[nodes->entry] : cell_.near).push_back(element);
       error_ += nodes ? nodes->error : 0.0;
@@ -182,7 +199,8 @@ FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, dou
       return Reach::near;
     }
   }
-  if (node.radius > kAlike * apart) return Reach::mixed;
+  // Chords differ from triangle to triangle.
+  if (node.radius > kAlike * apart || node.triangles > 0) return Reach::mixed;
   const double nearest = apart - node.radius;
   const double over = 1 / (nearest * nearest + node.least_tau);
   const double heaviest = node.heaviest * half_power(field_.two_nu_, over);
@@ -268,11 +286,25 @@ void FarField::Sorter::sort_element(std::uint32_t index, double each) {
   const double size = element.mass() * half_power(field_.two_nu_, over);
   // Of all places on the element, as it is convex.
   const double l1 =
-      std::max(sum_of_sizes(cell_.center - element.a), sum_of_sizes(cell_.center - element.b));
+      std::max({sum_of_sizes(cell_.center - element.a), sum_of_sizes(cell_.center - element.b),
+                element.is_triangle() ? sum_of_sizes(cell_.center - element.apex) : 0.0});
   const double q2 = cell_.radius() * cell_.radius() * over, most = 0.5 * each;
   const Truncation cut =
       field_.remainders_[0].lowest_order(q2, corner_share2(l1, over), most / size);
   const double error = size * cut.error;
+  if (element.is_triangle()) {
+    std::optional<ChordChoice> chords;
+    if (error <= most) {
+      chords = chords_for(element, nearest2(d2, element.tau), field_.rule_counts_, most);
+    }
+    if (!chords) {
+      cell_.elements.push_back(index);
+    } else {
+      error_ += error + chords->error;
+      take_triangle(index, cut.order, *chords);
+    }
+    return;
+  }
   std::optional<Choice> nodes;
   if (error <= most) {
     nodes = nodes_for(element.length, element.mass(), nearest2(d2, element.tau),
@@ -291,6 +323,40 @@ void FarField::Sorter::take_element(std::uint32_t index, std::size_t order, std:
   const bool segment = field_.tree_.elements()[index].length > 0;
   taken_.push_back({index, static_cast<std::uint8_t>(order),
                     static_cast<std::uint8_t>(segment ? nodes + 1 : 0)});
+}
+
+void FarField::Sorter::take_triangle(std::uint32_t index, std::size_t order,
+                                     const ChordChoice& choice) {
+  const int count = kChordCounts[choice.rule];
+  for (int j = 0; j < count; ++j) {
+    taken_chords_.push_back(
+        {static_cast<std::uint32_t>(chords_.size()), static_cast<std::uint8_t>(order),
+         static_cast<std::uint8_t>(choice.nodes[static_cast<std::size_t>(j)] + 1)});
+    chords_.push_back(
+        {index, static_cast<std::uint16_t>(choice.rule), static_cast<std::uint16_t>(j)});
+  }
+}
+
+/// Lists a triangle to be summed from squared distance s on as what costs least among what has an
+/// error of at most `each`.
+void FarField::Sorter::list_triangle(std::uint32_t index, double s, double each) {
+  const auto choice = chords_for(field_.tree_.elements()[index], s, field_.sum_counts_, each);
+  if (!choice) {
+    const double rounding = field_.rounding_of(index);
+    if (rounding <= each) {
+      cell_.triangles.push_back(*field_.triangle_number_[index]);
+      error_ += rounding;
+    } else {
+      cell_.near.push_back(index);
+    }
+    return;
+  }
+  const int count = kChordCounts[choice->rule];
+  for (int j = 0; j < count; ++j) {
+    cell_.chords[choice->nodes[static_cast<std::size_t>(j)]].push_back(
+        {index, static_cast<std::uint16_t>(choice->rule), static_cast<std::uint16_t>(j)});
+  }
+  error_ += choice->error;
 }
 
 /// <= |x - q|^2 + tau for x in the cell and q at squared distance d2 or more from its centre.
@@ -316,6 +382,35 @@ std::optional<FarField::Sorter::Choice> FarField::Sorter::nodes_for(
     if (error <= most) return Choice{i, error};
   }
   return std::nullopt;
+}
+
+/// As how few chords, each of as few nodes (one of the counts), a triangle may be summed from
+/// squared distance s on; none if the error of no number is at most `most`.
+std::optional<FarField::Sorter::ChordChoice> FarField::Sorter::chords_for(
+    const FarElement& triangle, double s, std::span<const NodeCount> counts, double most) const {
+  const double length2 = triangle.length * triangle.length;
+  if (length2 > kLongest2 * s) return std::nullopt;
+  const double mass = triangle.mass(), ratio = length2 / s;
+  const double size = mass * half_power(field_.two_nu_, 1 / s);
+  ChordChoice choice;
+  double power = 1.0;
+  int power_of = 0;
+  for (;; ++choice.rule) {
+    if (choice.rule == kChordCounts.size()) return std::nullopt;
+    for (; power_of < kChordCounts[choice.rule]; ++power_of) power *= ratio;
+    choice.error = size * field_.chord_factors_[choice.rule] * power;
+    if (choice.error <= 0.5 * most) break;
+  }
+  const double base = norm(triangle.b - triangle.a);
+  std::size_t j = 0;
+  for (const Chord& chord : chord_rule(choice.rule)) {
+    const auto nodes =
+        nodes_for(chord.at * base, chord.part * mass, s, counts, 0.5 * most * chord.part);
+    if (!nodes) return std::nullopt;
+    choice.nodes[j++] = static_cast<std::uint8_t>(nodes->entry);
+    choice.error += nodes->error;
+  }
+  return choice;
 }
 
 void FarField::Sorter::add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s,

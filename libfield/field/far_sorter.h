@@ -10,6 +10,7 @@
 #include "libfield/field/far_cell.h"
 #include "libfield/field/far_remainders.h"
 #include "libfield/integral/far_sum.h"
+#include "libfield/integral/harmonics.h"
 
 namespace cs2mesh {
 
@@ -28,7 +29,7 @@ class FarField::Sorter {
 
  private:
   using ByOrder = std::array<std::vector<SeriesSource>, kFarOrders.size()>;
-  /// An element that goes into the series.
+  /// An element, or one of chords_, that goes into the series.
   struct Taken {
     std::uint32_t element;
     std::uint8_t order, rule;  ///< entries of kFarOrders and kNodeRules
@@ -52,18 +53,31 @@ class FarField::Sorter {
   };
   std::optional<Choice> nodes_for(double length, double mass, double s,
                                   std::span<const NodeCount> counts, double most) const;
+  /// A triangle as chords: an entry of kChordCounts, and for each chord one of the counts.
+  struct ChordChoice {
+    std::size_t rule = 0;
+    std::array<std::uint8_t, kChordCounts.back()> nodes{};
+    double error = 0.0;
+  };
+  std::optional<ChordChoice> chords_for(const FarElement& triangle, double s,
+                                        std::span<const NodeCount> counts, double most) const;
   double nearest2(double d2, double tau) const;
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
                   const double* moments, double size) const;
   void take_element(std::uint32_t index, std::size_t order, std::size_t nodes);
+  void take_triangle(std::uint32_t index, std::size_t order, const ChordChoice& choice);
+  void list_triangle(std::uint32_t index, double s, double each);
   void sum_up();
   void sum_up_elements();
+  void add_taken(std::span<const Taken> taken, const SegmentSource* sources,
+                 HarmonicSums& sums) const;
 
   const FarField& field_;
   Cell& cell_;
   double error_ = 0.0;
   std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
-  std::vector<Taken> taken_;
+  std::vector<Taken> taken_, taken_chords_;
+  std::vector<FarChord> chords_;  ///< of triangles that go into the series
 };
 
 }  // namespace cs2mesh

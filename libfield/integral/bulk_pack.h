@@ -140,6 +140,14 @@ struct BulkPack {
     });
   }
 
+  template <class Out>
+  CS2MESH_FLATTEN static void sum_triangles(const TriangleSource* sources,
+                                            const std::uint32_t* index, std::size_t source_count,
+                                            const Vec3d* points, Out* sums, std::size_t count) {
+    add_each(points, sums, count,
+             [&](const Vec3<T>& p) { return triangle_sum<T>(sources, index, source_count, p); });
+  }
+
   /// A segment a lane.
   struct Segments {
     Vec3<Pack<N>> middle, half;
@@ -342,10 +350,11 @@ struct BulkPack {
             &try_triangle<Squared, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),         row<double>(),         weights<Jet>(),     weights<double>(),
-            points<Jet>(),      points<double>(),      triangles<Jet>(),   triangles<double>(),
-            &add_segments<Jet>, &add_segments<double>, &add_nodes,         &add_sources,
-            &add_moments,       &add_series<Jet>,      &add_series<double>};
+    return {row<Jet>(),         row<double>(),         weights<Jet>(),      weights<double>(),
+            points<Jet>(),      points<double>(),      triangles<Jet>(),    triangles<double>(),
+            &add_segments<Jet>, &add_segments<double>, &sum_triangles<Jet>, &sum_triangles<double>,
+            &add_nodes,         &add_sources,          &add_moments,        &add_series<Jet>,
+            &add_series<double>};
   }
 };
 
