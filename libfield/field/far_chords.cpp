@@ -20,9 +20,10 @@ SegmentSource chord_source(const FarElement& triangle, const Chord& chord) {
 }
 
 void ChordSources::set(std::span<const FarChord> chords, std::span<const FarElement> elements) {
-  sources_.clear();
-  for (const FarChord& chord : chords) {
-    sources_.push_back(chord_source(elements[chord.element], chord_rule(chord.rule)[chord.number]));
+  sources_.resize(chords.size());
+  for (std::size_t i = 0; i < chords.size(); ++i) {
+    const FarChord& chord = chords[i];
+    sources_[i] = chord_source(elements[chord.element], chord_rule(chord.rule)[chord.number]);
   }
   while (places_.size() < sources_.size()) {
     places_.push_back(static_cast<std::uint32_t>(places_.size()));

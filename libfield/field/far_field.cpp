@@ -103,7 +103,7 @@ std::unique_ptr<FarField::Cell> FarField::make_root(const Aabb& domain) const {
   const Vec3d half{root->half, root->half, root->half};
   root->lo = root->center - half;
   root->hi = root->center + half;
-  fill(*root, {0}, {}, tree_.elements().size(), 1.0);
+  fill(*root, {0}, {}, tree_.node(0).work(), 1.0);
   return root;
 }
 
@@ -122,9 +122,8 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
       cell.level == kMostLevels - 1 || stuck || (cell.listed <= kLongestList && holds_few(cell));
   if (!cell.leaf && cell.listed > kShortList) return;
   sorter.finish(error_budget_ - cell.error);
-  cell.leaf = cell.leaf || (cell.near.size() + kTriangleWork * cell.triangles.size() <= kMostNear &&
+  cell.leaf = cell.leaf || (cell.near.size() + cell.triangles.size() <= kMostNear &&
                             cell.points.size() <= kMostPoints);
-
   if (!cell.leaf) cell.forget_shares();
 }
 
@@ -224,22 +223,28 @@ void FarField::add_cell(const Cell* leaf, std::span<const Vec3d> points,
 
 template <class Out>
 void FarField::add_grouped(std::span<const Vec3d> points, std::span<Out> sums) const {
+  if (points.empty()) return;
+  const auto cell_of_place = [&](const Vec3d& p) -> const Cell* {
+    return root_->holds(p) ? &leaf_of(p) : nullptr;
+  };
+  const Cell* cell = cell_of_place(points[0]);
+  const auto is_within = [&](const Vec3d& p) {
+    return cell != nullptr ? cell->holds(p) : !root_->holds(p);
+  };
+  if (std::all_of(points.begin() + 1, points.end(), is_within)) {
+    return add_cell(cell, points, sums);
+  }
   // Cell by cell, in the order in which they are met.
   std::vector<const Cell*> cells;
   std::unordered_map<const Cell*, std::uint32_t> number_of;
   std::vector<std::uint32_t> number(points.size());
-  const Cell* cell = nullptr;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i == 0 || (cell != nullptr ? !cell->holds(points[i]) : root_->holds(points[i]))) {
-      cell = root_->holds(points[i]) ? &leaf_of(points[i]) : nullptr;
-    }
+    if (!is_within(points[i])) cell = cell_of_place(points[i]);
     const auto [place, is_new] =
         number_of.try_emplace(cell, static_cast<std::uint32_t>(cells.size()));
     if (is_new) cells.push_back(cell);
     number[i] = place->second;
   }
-  if (cells.size() == 1) return add_cell(cells[0], points, sums);
-
   std::vector<std::uint32_t> begin(cells.size() + 1, 0);
   for (const std::uint32_t n : number) ++begin[n + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());

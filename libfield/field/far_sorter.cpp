@@ -20,6 +20,8 @@ constexpr double kLeafShare = 4.0;
 /// No number of nodes will do for segments whose squared length, relative to their distance, is
 /// greater.
 constexpr double kLongest2 = 4.0;
+/// The closed form of a triangle takes as long as so many nodes.
+constexpr int kMostNodes = 30;
 /// Elements of a node look alike where its radius is at most this part of the distance.
 constexpr double kAlike = 1.0 / 10;
 /// So few elements that none of them reaches the cell are looked at again by its children.
@@ -90,7 +92,7 @@ void FarField::Sorter::sum_up_elements() {
   HarmonicSums sums{};
   if (!taken_.empty()) add_taken(taken_, field_.segments_.data(), sums);
   if (!chords_.empty()) {
-    ChordSources sources;
+    thread_local ChordSources sources;
     sources.set(chords_, field_.tree_.elements());
     add_taken(taken_chords_, sources.sources().data(), sums);
   }
@@ -337,26 +339,24 @@ void FarField::Sorter::take_triangle(std::uint32_t index, std::size_t order,
   }
 }
 
-/// Lists a triangle to be summed from squared distance s on as what costs least among what has an
+/// Lists a triangle to be summed from squared distance s on as what takes least time of what has an
 /// error of at most `each`.
 void FarField::Sorter::list_triangle(std::uint32_t index, double s, double each) {
   const auto choice = chords_for(field_.tree_.elements()[index], s, field_.sum_counts_, each);
-  if (!choice) {
-    const double rounding = field_.rounding_of(index);
-    if (rounding <= each) {
-      cell_.triangles.push_back(*field_.triangle_number_[index]);
-      error_ += rounding;
-    } else {
-      cell_.near.push_back(index);
+  const double rounding = field_.rounding_of(index);
+  if (rounding <= each && (!choice || choice->total > kMostNodes)) {
+    cell_.triangles.push_back(*field_.triangle_number_[index]);
+    error_ += rounding;
+  } else if (choice) {
+    const int count = kChordCounts[choice->rule];
+    for (int j = 0; j < count; ++j) {
+      cell_.chords[choice->nodes[static_cast<std::size_t>(j)]].push_back(
+          {index, static_cast<std::uint16_t>(choice->rule), static_cast<std::uint16_t>(j)});
     }
-    return;
+    error_ += choice->error;
+  } else {
+    cell_.near.push_back(index);
   }
-  const int count = kChordCounts[choice->rule];
-  for (int j = 0; j < count; ++j) {
-    cell_.chords[choice->nodes[static_cast<std::size_t>(j)]].push_back(
-        {index, static_cast<std::uint16_t>(choice->rule), static_cast<std::uint16_t>(j)});
-  }
-  error_ += choice->error;
 }
 
 /// <= |x - q|^2 + tau for x in the cell and q at squared distance d2 or more from its centre.
@@ -408,6 +408,7 @@ std::optional<FarField::Sorter::ChordChoice> FarField::Sorter::chords_for(
         nodes_for(chord.at * base, chord.part * mass, s, counts, 0.5 * most * chord.part);
     if (!nodes) return std::nullopt;
     choice.nodes[j++] = static_cast<std::uint8_t>(nodes->entry);
+    choice.total += counts[nodes->entry].nodes;
     choice.error += nodes->error;
   }
   return choice;

@@ -57,6 +57,7 @@ class FarField::Sorter {
   struct ChordChoice {
     std::size_t rule = 0;
     std::array<std::uint8_t, kChordCounts.back()> nodes{};
+    int total = 0;  ///< of nodes
     double error = 0.0;
   };
   std::optional<ChordChoice> chords_for(const FarElement& triangle, double s,

@@ -26,13 +26,21 @@ inline constexpr Chord kChords[] = {
 #include "libfield/integral/chord_table.inc"
 };
 
+/// Where the chords of each rule begin.
+inline constexpr std::array<std::size_t, kChordCounts.size()> kFirstChord = [] {
+  std::array<std::size_t, kChordCounts.size()> first{};
+  for (std::size_t i = 1; i < first.size(); ++i) {
+    first[i] = first[i - 1] + static_cast<std::size_t>(kChordCounts[i - 1]);
+  }
+  return first;
+}();
+
 }  // namespace detail
 
 /// The rule of kChordCounts[which] chords, from the vertex to the base.
 constexpr std::span<const Chord> chord_rule(std::size_t which) {
-  std::size_t first = 0;
-  for (std::size_t i = 0; i < which; ++i) first += static_cast<std::size_t>(kChordCounts[i]);
-  return std::span(detail::kChords).subspan(first, static_cast<std::size_t>(kChordCounts[which]));
+  return std::span(detail::kChords)
+      .subspan(detail::kFirstChord[which], static_cast<std::size_t>(kChordCounts[which]));
 }
 
 }  // namespace cs2mesh

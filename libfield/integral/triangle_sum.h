@@ -60,19 +60,56 @@ inline double triangle_rounding(const Cauchy& kernel) {
 
 namespace detail {
 
-/// 1 / x, of all by one division; their product must be finite.
-template <class T, std::size_t N>
-std::array<T, N> reciprocals(const std::array<T, N>& x) {
-  std::array<T, N> before{}, inverse{};
-  before[0] = T(1);
-  for (std::size_t i = 1; i < N; ++i) before[i] = before[i - 1] * x[i - 1];
-  T rest = T(1) / (before[N - 1] * x[N - 1]);
-  for (std::size_t i = N; i-- > 0;) {
-    inverse[i] = before[i] * rest;
-    rest = rest * x[i];
-  }
-  return inverse;
+template <class T>
+T inner(const Vec3<T>& d, const Vec3d& way) {
+  using std::fma;
+  return fma(d.x, T(way.x), fma(d.y, T(way.y), T(d.z * T(way.z))));
 }
+
+/// D and v of a vertex.
+template <class T>
+struct SumVertex {
+  Vec3<T> d;
+  T v;
+
+  SumVertex(const Vec3d& vertex, const T& s, const Vec3<T>& p)
+      : d(s * (p.x - T(vertex.x)), s * (p.y - T(vertex.y)), s * (p.z - T(vertex.z))), v([this] {
+          using std::fma;
+          return fma(d.x, d.x, fma(d.y, d.y, fma(d.z, d.z, T(1))));
+        }()) {}
+};
+
+/// e, t1 t2, P and its root of an edge.
+template <class T>
+struct SumEdge {
+  T e, product, p, root;
+
+  SumEdge(const Vec3d& along, const Vec3d& outward, const SumVertex<T>& from,
+          const SumVertex<T>& to, const T& q) {
+    using std::abs;
+    using std::fma;
+    using std::sqrt;
+    const T t1 = inner(from.d, along), t2 = inner(to.d, along);
+    product = t1 * t2;
+    // From the nearer end: its difference carries the smaller rounding error.
+    e = select(abs(t1) < abs(t2), T(-inner(from.d, outward)), T(-inner(to.d, outward)));
+    p = fma(e, e, q);
+    root = sqrt(p);
+  }
+};
+
+/// J1 and J2 of an edge, from 1 / P and 1 / (v1 v2).
+template <class T>
+struct SumLine {
+  T j1, j2;
+
+  SumLine(const SumEdge<T>& edge, const T& length, const T& over_p, const T& over_v) {
+    using std::fma;
+    const T angle = vmath::atan2(T(edge.root * length), T(edge.p + edge.product));
+    j1 = angle * (edge.root * over_p);
+    j2 = fma(T(length * (edge.p - edge.product)), over_v, j1) * (T(0.5) * over_p);
+  }
+};
 
 }  // namespace detail
 
@@ -81,59 +118,40 @@ std::array<T, N> reciprocals(const std::array<T, N>& x) {
 template <class T>
 JetOf<T> triangle_sum(const TriangleSource* sources, const std::uint32_t* index, std::size_t count,
                       const Vec3<T>& p) {
-  using std::abs;
+  using detail::SumEdge, detail::SumLine, detail::SumVertex;
   using std::fma;
-  using std::sqrt;
   JetOf<T> sum{};
   for (std::size_t k = 0; k < count; ++k) {
     const TriangleSource& source = sources[index[k]];
     const T s(source.s);
-    const auto along = [](const Vec3<T>& d, const Vec3d& way) {
-      return fma(d.x, T(way.x), fma(d.y, T(way.y), T(d.z * T(way.z))));
+    const SumVertex<T> v0(source.vertex[0], s, p), v1(source.vertex[1], s, p),
+        v2(source.vertex[2], s, p);
+    const T z = detail::inner(v0.d, source.normal), q = fma(z, z, T(1));
+    const SumEdge<T> e0(source.along[0], source.outward[0], v0, v1, q);
+    const SumEdge<T> e1(source.along[1], source.outward[1], v1, v2, q);
+    const SumEdge<T> e2(source.along[2], source.outward[2], v2, v0, q);
+
+    // All reciprocals by two divisions.
+    const T p01 = e0.p * e1.p, p2q = e2.p * q, over_both = T(1) / (p01 * p2q);
+    const T over01 = p2q * over_both, over2q = p01 * over_both, over_q = e2.p * over2q;
+    const T over_v = T(1) / (v0.v * v1.v * v2.v);
+    const SumLine<T> l0(e0, T(source.length[0]), e1.p * over01, v2.v * over_v);
+    const SumLine<T> l1(e1, T(source.length[1]), e0.p * over01, v0.v * over_v);
+    const SumLine<T> l2(e2, T(source.length[2]), q * over2q, v1.v * over_v);
+
+    const T value = fma(e0.e, l0.j1, fma(e1.e, l1.j1, T(e2.e * l2.j1)));
+    sum.value = fma(T(source.weight) * over_q, value, sum.value);
+    const T turned = fma(e0.e, l0.j2, fma(e1.e, l1.j2, T(e2.e * l2.j2)));
+    const T slope(-2.0 * source.weight * source.s);
+    const T lift = slope * (z * fma(q, turned, value)) * (over_q * over_q);
+    const T s0 = slope * l0.j2, s1 = slope * l1.j2, s2 = slope * l2.j2;
+    const auto add = [&](T& to, double normal, double o0, double o1, double o2) {
+      to = fma(s0, T(o0), fma(s1, T(o1), fma(s2, T(o2), fma(lift, T(normal), to))));
     };
-    std::array<Vec3<T>, 3> d;
-    std::array<T, 3> v, e, product, root;
-    std::array<T, 4> big;  // P of the edges, Q
-    for (std::size_t i = 0; i < 3; ++i) {
-      const Vec3d& vertex = source.vertex[i];
-      d[i] = {s * (p.x - T(vertex.x)), s * (p.y - T(vertex.y)), s * (p.z - T(vertex.z))};
-      v[i] = fma(d[i].x, d[i].x, fma(d[i].y, d[i].y, fma(d[i].z, d[i].z, T(1))));
-    }
-    const T z = along(d[0], source.normal);
-    big[3] = fma(z, z, T(1));
-    for (std::size_t i = 0; i < 3; ++i) {
-      const std::size_t next = (i + 1) % 3;
-      const T t1 = -along(d[i], source.along[i]), t2 = -along(d[next], source.along[i]);
-      // From the nearer end: its difference carries the smaller rounding error.
-      e[i] = select(abs(t1) < abs(t2), T(-along(d[i], source.outward[i])),
-                    T(-along(d[next], source.outward[i])));
-      product[i] = t1 * t2;
-      big[i] = fma(e[i], e[i], big[3]);
-      root[i] = sqrt(big[i]);
-    }
-    const std::array<T, 4> over = detail::reciprocals(big);
-    const std::array<T, 3> w = detail::reciprocals(v);
-    T value(0), normal(0);
-    Vec3<T> inward{};
-    for (std::size_t i = 0; i < 3; ++i) {
-      const T length(source.length[i]);
-      const T angle = vmath::atan2(T(root[i] * length), T(big[i] + product[i]));
-      const T j1 = angle * (root[i] * over[i]);
-      const T j2 =
-          fma(length * (big[i] - product[i]), w[i] * w[(i + 1) % 3], j1) * (T(0.5) * over[i]);
-      value = fma(e[i], j1, value);
-      normal = fma(e[i], fma(big[3], j2, j1), normal);
-      const Vec3d& out = source.outward[i];
-      inward.x = fma(j2, T(-out.x), inward.x);
-      inward.y = fma(j2, T(-out.y), inward.y);
-      inward.z = fma(j2, T(-out.z), inward.z);
-    }
-    sum.value = fma(T(source.weight) * over[3], value, sum.value);
-    const T slope = T(2.0 * source.weight * source.s);
-    const T lift = -slope * (z * normal) * (over[3] * over[3]);
-    sum.gradient.x = fma(slope, inward.x, fma(lift, T(source.normal.x), sum.gradient.x));
-    sum.gradient.y = fma(slope, inward.y, fma(lift, T(source.normal.y), sum.gradient.y));
-    sum.gradient.z = fma(slope, inward.z, fma(lift, T(source.normal.z), sum.gradient.z));
+    const auto& o = source.outward;
+    add(sum.gradient.x, source.normal.x, o[0].x, o[1].x, o[2].x);
+    add(sum.gradient.y, source.normal.y, o[0].y, o[1].y, o[2].y);
+    add(sum.gradient.z, source.normal.z, o[0].z, o[1].z, o[2].z);
   }
   return sum;
 }
