@@ -16,8 +16,8 @@ namespace {
 
 /// A cell whose list is no longer is a leaf: about as many as are summed in the time that finer
 /// cells would take to set up. No more of them may be near, which take ten times as long,
-/// nor points, whose cells take less time to set up.
-constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostPoints = 700;
+/// nor triangles in packs, nor points, whose cells take less time to set up.
+constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostTriangles = 300, kMostPoints = 700;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
@@ -122,8 +122,8 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
       cell.level == kMostLevels - 1 || stuck || (cell.listed <= kLongestList && holds_few(cell));
   if (!cell.leaf && cell.listed > kShortList) return;
   sorter.finish(error_budget_ - cell.error);
-  cell.leaf = cell.leaf || (cell.near.size() + cell.triangles.size() <= kMostNear &&
-                            cell.points.size() <= kMostPoints);
+  cell.leaf = cell.leaf || (cell.near.size() <= kMostNear && cell.points.size() <= kMostPoints &&
+                            cell.triangles.size() <= kMostTriangles);
   if (!cell.leaf) cell.forget_shares();
 }
 

@@ -17,6 +17,8 @@ namespace {
 /// A node this large has about as many elements as a series has time to gather: moments of its
 /// halves would be twice the memory and the time to set up, and no evaluation would be faster.
 constexpr std::uint32_t kFewestMoments = 128;
+/// A triangle has as many nodes as so many of those elements.
+constexpr std::uint32_t kTriangleNodes = 8;
 /// Of triangles, longest edge over smallest height.
 constexpr double kMostSlender = 1e4;
 /// Elements that are sorted together.
@@ -47,7 +49,7 @@ std::optional<FarLaw> law_of(const Kernel& kernel) {
 
 /// Whether moments of the halves of a node are worth their memory.
 bool has_many(const SourceNode& node) {
-  return node.right != 0 && node.work() > kFewestMoments;
+  return node.right != 0 && node.count + (kTriangleNodes - 1) * node.triangles > kFewestMoments;
 }
 
 /// The vertices so that the shortest edge comes first.

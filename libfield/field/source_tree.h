@@ -57,7 +57,7 @@ std::optional<FarElement> far_element(const Term& term, std::uint32_t index);
 double squared_distance(const FarElement& element, const Vec3d& p);
 
 /// A triangle takes about as long to sum as so many points or segments.
-inline constexpr std::uint32_t kTriangleWork = 8;
+inline constexpr std::uint32_t kTriangleWork = 4;
 
 struct SourceNode {
   Aabb box;
