@@ -13,7 +13,9 @@
 #include "polygonize/mend_crossings.h"
 #include "polygonize/near_intersections.h"
 #include "polygonize/octree_mesh.h"
+#include "polygonize/placed_mesh.h"
 #include "polygonize/remesh.h"
+#include "polygonize/shape_operator.h"
 #include "polygonize/tolerance.h"
 
 namespace cs2mesh {
@@ -67,7 +69,7 @@ void limit_proofs(const ImplicitSurface& surface, SurfaceOctreeOptions& options)
   options.fair_side = kFair * options.tolerance;
 }
 
-class Adaptive {
+class Adaptive : private Coarsener {
  public:
   Adaptive(const ImplicitSurface& surface, const MesherRequest& request, AdaptiveStatistics& log)
       : surface_(surface), request_(request), log_(log), provable_(surface.has_cheap_bounds()) {}
@@ -85,7 +87,7 @@ class Adaptive {
               (request_.min_feature > 0 ||
                open <= kMuch * (open + static_cast<double>(log_.simple_leaves)));
     if (provable_ && !proven_) {
-      lattice_.emplace(mesh_on_cells(surface_, request_, {}));
+      lattice_.emplace(on_lattices({}));
       if (*lattice_ && (*lattice_)->reached) return *std::move(lattice_);
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       options.coarseness = kCloseLook;
@@ -104,7 +106,7 @@ class Adaptive {
       log_.jets += first.evaluations;
       if (log_.first_triangles > request_.max_triangles) return too_many();
       ++log_.attempts;
-      MesherResult result = fit(*tree, first, kAims[aim], untangle);
+      MesherResult result = fit(*tree, first, {kAims[aim], untangle, proven_});
       if (cancelled(request_.progress)) return error_at({}, "interrupted", Failure::interrupted);
       if (result.error < best.error) best = std::move(result);
       if (best.error <= kAcceptedPart * request_.tolerance) break;
@@ -134,7 +136,30 @@ class Adaptive {
     return best;
   }
 
+  /// On lattices from the beginning.
+  Result<MesherResult> run_on_lattices() { return on_lattices(many_lattices()); }
+
  private:
+  /// Made coarse, unless that is what went wrong before, as where the surface touches itself.
+  Result<MesherResult> on_lattices(ToleranceOptions options) {
+    if (!proven_) options.coarsener = this;
+    return mesh_on_cells(surface_, request_, options);
+  }
+
+  Coarse coarsen(const TriangleMesh& dense, double cell) override {
+    // Kinks need smaller triangles than normals tell; improving makes up for it elsewhere.
+    constexpr double kAim = 0.5;
+    constexpr double kWorthIt = 4.0;  // lattices take twice as many where it is not
+    const double needed = triangles_needed(dense, request_.tolerance);
+    if (static_cast<double>(dense.triangles.size()) < kWorthIt * needed) return {{}, HUGE_VAL};
+    const Result<PlacedMesh> placed =
+        place_mesh(surface_, dense, cell, request_.max_nodes, request_.progress);
+    if (!placed) return {{}, HUGE_VAL};
+    MesherResult result =
+        fit(placed->tree, {placed->mesh, placed->leaf_of, {}, 0}, {kAim, false, false});
+    return {std::move(result.mesh), result.error};
+  }
+
   void begin(std::string_view stage) const {
     if (request_.progress != nullptr) request_.progress->report(stage, 0.0);
   }
@@ -162,19 +187,23 @@ class Adaptive {
   /// What the lattice mesher makes of it in the end: on the lattices that were not tried, or
   /// before.
   Result<MesherResult> by_lattice() {
-    if (!lattice_) return mesh_by_lattice(surface_, request_);
-    Result<MesherResult> finer =
-        mesh_by_lattice(surface_, request_, ToleranceOptions().most_attempts);
+    if (!lattice_) return on_lattices(many_lattices());
+    Result<MesherResult> finer = on_lattices(many_lattices(ToleranceOptions().most_attempts));
     const bool better = finer && (!*lattice_ || finer->error < (*lattice_)->error);
     return better || cancelled(request_.progress) ? std::move(finer) : *std::move(lattice_);
   }
 
-  /// The first mesh made to fit that part of the tolerance. Its error is infinite where triangles
-  /// cross; `untangle` looks for that from the beginning, which is dear.
-  MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, double aim, bool untangle) {
+  struct Fit {
+    double aim = 1.0;       ///< a part of the tolerance
+    bool untangle = false;  ///< looks for triangles that cross from the beginning, which is dear
+    bool proven = false;    ///< that the topology is right
+  };
+
+  /// The first mesh made to fit the tolerance. Its error is infinite where triangles cross.
+  MesherResult fit(const SurfaceOctree& tree, const OctreeMesh& first, const Fit& how) {
     RemeshOptions remeshing;
-    remeshing.tolerance = aim * (proven_ ? 1.0 : kBlindAim) * request_.tolerance;
-    remeshing.untangle = untangle;
+    remeshing.tolerance = how.aim * (how.proven ? 1.0 : kBlindAim) * request_.tolerance;
+    remeshing.untangle = how.untangle;
     remeshing.balance = request_.balance;
     remeshing.progress = request_.progress;
     RemeshStatistics remeshed;
@@ -184,7 +213,7 @@ class Adaptive {
     if (result.mesh.empty()) return result;
     std::vector<Vec3d>& on_surface = remeshed.on_surface;
     on_surface.insert(on_surface.end(), first.bulges.begin(), first.bulges.end());
-    if (proven_) {
+    if (how.proven) {
       BroughtNear brought = bring_near(surface_, result.mesh, on_surface, bring_near_options());
       result.error = brought.error;
       trouble_ = std::move(brought.trouble);
@@ -193,7 +222,7 @@ class Adaptive {
       trouble_.clear();
       result.error = bring_near_both_ways(result.mesh);
     }
-    if (!proven_ && result.error < HUGE_VAL) {
+    if (!how.proven && result.error < HUGE_VAL) {
       begin("measure");
       const double tolerance = request_.tolerance;
       const GradientEstimate estimate(0.4 * tolerance, kSmall * tolerance, kSurely * tolerance,
@@ -279,12 +308,11 @@ Result<MesherResult> mesh_adaptive(const ImplicitSurface& surface, const MesherR
   }
   // A profile that jumps makes walls and slots of any width, which the lattice mesher looks for.
   // Where bounds are cheap there are none, but deep inside F may overflow.
-  if (!surface.has_cheap_bounds() &&
-      !std::isfinite(surface.derivative_bound(1, surface.bounds()))) {
-    return mesh_by_lattice(surface, request);
-  }
+  const bool on_lattices =
+      !surface.has_cheap_bounds() && !std::isfinite(surface.derivative_bound(1, surface.bounds()));
   AdaptiveStatistics log;
-  Result<MesherResult> result = Adaptive(surface, request, log).run();
+  Adaptive adaptive(surface, request, log);
+  Result<MesherResult> result = on_lattices ? adaptive.run_on_lattices() : adaptive.run();
   if (statistics != nullptr) *statistics = log;
   return result;
 }

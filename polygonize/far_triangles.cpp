@@ -170,6 +170,18 @@ class Measurer {
     }
   }
 
+  /// Whether the surface turns so much between the corners that there may be a kink.
+  bool is_folded(const Record& record) const {
+    constexpr double kTurned = 0.8;  // cosine
+    if (!(options_.small > 0)) return false;
+    const auto& [a, b, c] = record.corner;
+    const auto turned = [](const Jet& from, const Jet& to) {
+      return !(dot(from.gradient, to.gradient) >
+               kTurned * norm_of_any(from.gradient) * norm_of_any(to.gradient));
+    };
+    return turned(a, b) || turned(b, c) || turned(c, a);
+  }
+
   void want_more() {
     constexpr double kDoubt = 0.5, kLarge = 0.7;  // of the tolerance
     for (std::size_t i = 0; i < records_.size(); ++i) {
@@ -179,7 +191,7 @@ class Measurer {
                              kDoubt * options_.tolerance, options_.small);
       // The surface is not as told and nearly too far: as beside a kink, it may be farther
       // anywhere.
-      if (record.most > kLarge * options_.tolerance) closely = Look::all_over;
+      if (record.most > kLarge * options_.tolerance || is_folded(record)) closely = Look::all_over;
       for (const Vec3d& p : more_points(mesh_, triangles_[i], closely)) want(i, p);
     }
   }

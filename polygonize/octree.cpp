@@ -38,6 +38,17 @@ void Octree::set_children(Index leaf, Index first) {
   parent.children = first;
 }
 
+Octree::Index Octree::leaf_at(const Vec3d& p) const {
+  Index cell = 0;
+  while (!is_leaf(cell)) {
+    const Vec3d middle = center(cell);
+    const int corner =
+        (p.x >= middle.x ? 1 : 0) | (p.y >= middle.y ? 2 : 0) | (p.z >= middle.z ? 4 : 0);
+    cell = child(cell, corner);
+  }
+  return cell;
+}
+
 Octree::Index Octree::split(Index leaf) {
   const auto first = static_cast<Index>(cells_.size());
   require(is_leaf(leaf) && cells_[leaf].level < kMostLevels, "Octree: no leaf to split");

@@ -45,6 +45,8 @@ class Octree {
   Vec3d point(const Int3& at) const;
   Aabb box(Index cell) const;
   Vec3d center(Index cell) const { return box(cell).center(); }
+  /// The leaf that a point of the root lies in; of others, one as near as its face.
+  Index leaf_at(const Vec3d& p) const;
 
   /// Cuts a leaf above kMostLevels in eight leaves on its side; returns the first.
   Index split(Index leaf);

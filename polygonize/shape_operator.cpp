@@ -85,4 +85,29 @@ BendMetric bend_metric(const Symmetric3& shape, const Vec3d& normal, double stre
   return metric;
 }
 
+double triangles_needed(const TriangleMesh& mesh, double tolerance) {
+  constexpr double kStretch = 4.0;
+  std::vector<Vec3d> normals(mesh.positions.size());
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    for (const auto v : mesh.triangles[t]) normals[v] += area_vector(mesh, t);
+  }
+  for (Vec3d& normal : normals) {
+    const double length = norm(normal);
+    normal = length > 0 ? normal / length : Vec3d{0, 0, 1};
+  }
+  const std::vector<Symmetric3> shapes = shape_operators(mesh, normals);
+  std::vector<double> densities(normals.size());
+  for (std::size_t v = 0; v < normals.size(); ++v) {
+    densities[v] = bend_metric(shapes[v], normals[v], kStretch).density;
+  }
+  // An equilateral triangle of side s is s^2 / 6 off a sphere of radius 1.
+  const double unit = 6 * tolerance * std::sqrt(3.0) / 4;
+  double sum = 0.0;
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+    const auto& [a, b, c] = mesh.triangles[t];
+    sum += norm(area_vector(mesh, t)) * (densities[a] + densities[b] + densities[c]) / 3;
+  }
+  return sum / unit;
+}
+
 }  // namespace cs2mesh

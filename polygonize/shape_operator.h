@@ -33,4 +33,9 @@ struct BendMetric {
 /// `shape` has zero along `normal`, which is of length 1; stretch >= 1.
 BendMetric bend_metric(const Symmetric3& shape, const Vec3d& normal, double stretch);
 
+/// How many triangles it takes at least, or nearly, to stay within `tolerance` of the surface that
+/// `mesh` is on, with corners on it: by how the normals of its triangles turn. Finer meshes tell
+/// better; a mesh of the right number tells some two thirds of that. Scene units, > 0. O(n).
+double triangles_needed(const TriangleMesh& mesh, double tolerance);
+
 }  // namespace cs2mesh

@@ -360,6 +360,36 @@ std::optional<Vec3d> climb(const ImplicitSurface& surface, const Vec3d& p, Vec3d
 
 }  // namespace
 
+namespace {
+
+/// From a point along the axes and diagonals to a sphere about it.
+std::vector<Vec3d> points_on_sphere(const Vec3d& p, double radius) {
+  std::vector<Vec3d> points;
+  for (int i = 0; i < 27; ++i) {
+    const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
+    const double length = norm(d);
+    if (length > 0) points.push_back(p + (radius / length) * d);
+  }
+  return points;
+}
+
+/// Where F has another sign on a sphere about p than there; 27 values or a few more.
+std::optional<SignChange> change_on_sphere(const ImplicitSurface& surface, const Vec3d& p,
+                                           double radius) {
+  std::vector<Vec3d> points = points_on_sphere(p, radius * (1 - 1e-12));
+  points.push_back(p);
+  std::vector<double> values(points.size());
+  const auto near = surface.restrict_to(Aabb{p, p}.grown(radius));
+  near->values(points, values);
+  const bool side = inside(values.back());
+  for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+    if (inside(values[i]) != side) return narrowed(*near, p, points[i], side);
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
 std::optional<SignChange> search_around(const ImplicitSurface& surface, const Vec3d& p,
                                         double farthest, bool closely) {
   constexpr int kSpheres = 11, kCloseSpheres = 13;
@@ -367,17 +397,11 @@ std::optional<SignChange> search_around(const ImplicitSurface& surface, const Ve
   constexpr double kQuarterOctave = 1.189207115002721;
   const auto near = surface.restrict_to(Aabb{p, p}.grown(farthest * (1 + 1e-9)));
   const bool side = inside(near->value(p));
-  std::vector<Vec3d> points;
   std::vector<double> values;
   double radius = kSearchSpan * farthest;
   for (int sphere = 0; sphere < (closely ? kCloseSpheres : kSpheres); ++sphere) {
     if (sphere > 0) radius *= closely && sphere > kFirstHalf ? kQuarterOctave : std::numbers::sqrt2;
-    points.clear();
-    for (int i = 0; i < 27; ++i) {
-      const Vec3d d{i % 3 - 1.0, i / 3 % 3 - 1.0, i / 9 - 1.0};
-      const double length = norm(d);
-      if (length > 0) points.push_back(p + (radius / length) * d);
-    }
+    const std::vector<Vec3d> points = points_on_sphere(p, radius);
     values.resize(points.size());
     near->values(points, values);
     std::optional<SignChange> nearest;
@@ -441,9 +465,14 @@ Vec3d between(const ImplicitSurface& surface, SignChange change) {
 
 Foot find_foot(const ImplicitSurface& surface, const Vec3d& p, double first_order, double enough) {
   const std::optional<Vec3d> straight = newton_foot(surface, p, first_order);
+  if (straight && norm(*straight - p) <= enough) return {*straight, norm(*straight - p)};
+  // Beside walls and kinks there mostly is surface near by that value and gradient know nothing of.
+  if (enough > 0) {
+    const std::optional<SignChange> near = change_on_sphere(surface, p, enough);
+    if (near) return {near->far, near->distance};
+  }
   if (straight) {
     const double distance = norm(*straight - p);
-    if (distance <= enough) return {*straight, distance};
     const std::optional<SignChange> nearer = search_around(surface, p, distance);
     if (!nearer) return {*straight, distance};
     const Vec3d foot = between(surface, *nearer);

@@ -78,14 +78,14 @@ bool is_near(const ImplicitSurface& surface, const Sample& sample, double distan
 }
 
 /// An upper bound of the distance of the surface from a sample, the first that is no more than
-/// `enough`. Between near sheets the way along the gradient may pass the nearer one.
+/// `enough`. Between near sheets the way along the gradient may pass the nearer one, and beside
+/// kinks the surface is nearest where no gradient points.
 double distance_from(const ImplicitSurface& surface, const Sample& sample, double enough) {
-  constexpr double kMuchFarther = 1.1;
   if (enough > 0 && is_near(surface, sample, enough)) return enough;
   const double distance = find_foot(surface, sample.point, sample.distance, enough).distance;
   if (distance <= enough) return distance;
-  if (distance <= kMuchFarther * sample.distance) return distance;
-  const std::optional<SignChange> nearer = search_around(surface, sample.point, distance);
+  const std::optional<SignChange> nearer =
+      search_around(surface, sample.point, distance, /*closely=*/true);
   return nearer ? std::min(distance, nearer->distance) : distance;
 }
 
@@ -189,6 +189,95 @@ double first_cell(double radius, bool creased, bool walls, double tolerance) {
   return walls ? std::min(cell, kBetweenWalls * tolerance) : cell;
 }
 
+class ToTolerance {
+ public:
+  ToTolerance(const ImplicitSurface& surface, double tolerance, const ToleranceOptions& options)
+      : surface_(surface),
+        tolerance_(tolerance),
+        options_(options),
+        gradient_(kCloser * kAim * tolerance, tolerance, kSurely * tolerance, options.progress),
+        estimate_(options.estimate != nullptr ? *options.estimate : gradient_) {}
+
+  Result<ToleranceMesh> run(double thinnest_radius, bool creased) {
+    constexpr double kSmaller = 0.75;
+    const bool walls = creased && has_walls(surface_, both_ways().on_surface());
+    const bool cut_off = creased && !options_.follows_creases;
+    double cell = first_cell(thinnest_radius, cut_off, walls, tolerance_);
+    for (int attempt = 0; attempt < options_.most_attempts; ++attempt, cell *= kSmaller) {
+      if (attempt < options_.left_out) continue;
+      LatticeStatistics statistics;
+      Result<TriangleMesh> mesh = options_.mesh_cells(
+          surface_,
+          {cell, options_.origin, options_.max_nodes, options_.max_triangles, options_.progress},
+          &statistics);
+      if (!mesh) {
+        const Failure why = mesh.diagnostics().front().failure;
+        if (why == Failure::check_failed && attempt + 1 < options_.most_attempts) continue;
+        if (best_.attempts.empty() || why == Failure::interrupted) {
+          return Result<ToleranceMesh>::failure(mesh.diagnostics());
+        }
+        remarks_ = mesh.diagnostics();
+        for (Diagnostic& remark : remarks_) remark.severity = Severity::warning;
+        break;
+      }
+      const double error = bring_near(*mesh, cell, statistics);
+      if (cancelled(options_.progress)) return error_at({}, "interrupted", Failure::interrupted);
+      keep_better(*std::move(mesh), {cell, error, 0}, statistics);
+      if (error <= kAccept * tolerance_) break;
+    }
+    best_.reached = best_.error <= tolerance_;
+    if (!best_.reached) remarks_.push_back(tolerance_missed(tolerance_, best_.error, best_.cell));
+    return {std::move(best_), std::move(remarks_)};
+  }
+
+ private:
+  BothWays& both_ways() {
+    if (!both_ways_) {
+      both_ways_.emplace(surface_,
+                         BothWaysOptions{kAim * tolerance_, tolerance_, options_.surface_samples,
+                                         options_.max_triangles, options_.progress});
+    }
+    return *both_ways_;
+  }
+
+  /// Refines the mesh, and makes it coarse if that goes; returns its error.
+  double bring_near(TriangleMesh& mesh, double cell, const LatticeStatistics& statistics) {
+    const double back = both_ways().run(mesh);
+    if (cancelled(options_.progress)) return HUGE_VAL;
+    if (options_.coarsener != nullptr && back <= kAccept * tolerance_) {
+      Coarsener::Coarse coarse = options_.coarsener->coarsen(mesh, cell);
+      if (cancelled(options_.progress)) return HUGE_VAL;
+      if (coarse.error <= kAccept * tolerance_) {
+        mesh = std::move(coarse.mesh);
+        return coarse.error;
+      }
+    }
+    if (options_.progress != nullptr) options_.progress->report("measure", 0.0);
+    return std::max({back, statistics.off_surface, estimate_.largest_distance(surface_, mesh)});
+  }
+
+  void keep_better(TriangleMesh mesh, ToleranceAttempt attempt,
+                   const LatticeStatistics& statistics) {
+    attempt.triangles = mesh.triangles.size();
+    const bool better = best_.attempts.empty() || attempt.error < best_.error;
+    best_.attempts.push_back(attempt);
+    if (!better) return;
+    best_.mesh = std::move(mesh);
+    best_.cell = attempt.cell;
+    best_.error = attempt.error;
+    best_.statistics = statistics;
+  }
+
+  const ImplicitSurface& surface_;
+  const double tolerance_;
+  const ToleranceOptions& options_;
+  const GradientEstimate gradient_;
+  const DistanceEstimate& estimate_;
+  std::optional<BothWays> both_ways_;  ///< once needed
+  ToleranceMesh best_;
+  std::vector<Diagnostic> remarks_;
+};
+
 }  // namespace
 
 Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double thinnest_radius,
@@ -200,58 +289,7 @@ Result<ToleranceMesh> mesh_to_tolerance(const ImplicitSurface& surface, double t
           "mesh_to_tolerance: the tolerance must be positive");
   require(0 <= options.left_out && options.left_out < options.most_attempts,
           "mesh_to_tolerance: at least one attempt");
-  constexpr double kSmaller = 0.75;
-  const double enough = kAim * tolerance;
-  const GradientEstimate gradient(kCloser * enough, tolerance, kSurely * tolerance,
-                                  options.progress);
-  const DistanceEstimate& estimate = options.estimate != nullptr ? *options.estimate : gradient;
-
-  BothWays both_ways(surface, {enough, tolerance, options.surface_samples, options.max_triangles,
-                               options.progress});
-  ToleranceMesh best;
-  std::vector<Diagnostic> remarks;
-  const bool walls = creased && has_walls(surface, both_ways.on_surface());
-  const bool cut_off = creased && !options.follows_creases;
-  double cell = first_cell(thinnest_radius, cut_off, walls, tolerance);
-  for (int attempt = 0; attempt < options.most_attempts; ++attempt, cell *= kSmaller) {
-    if (attempt < options.left_out) continue;
-    LatticeStatistics statistics;
-    Result<TriangleMesh> mesh = options.mesh_cells(
-        surface, {cell, options.origin, options.max_nodes, options.max_triangles, options.progress},
-        &statistics);
-    if (!mesh) {
-      const Failure why = mesh.diagnostics().front().failure;
-      if (why == Failure::check_failed && attempt + 1 < options.most_attempts) continue;
-      if (best.attempts.empty() || why == Failure::interrupted) {
-        return Result<ToleranceMesh>::failure(mesh.diagnostics());
-      }
-      remarks = mesh.diagnostics();
-      for (Diagnostic& remark : remarks) remark.severity = Severity::warning;
-      break;
-    }
-    const double back = both_ways.run(*mesh);
-    if (cancelled(options.progress)) {
-      return error_at({}, "interrupted", Failure::interrupted);
-    }
-    if (options.progress != nullptr) options.progress->report("measure", 0.0);
-    const double error =
-        std::max({back, statistics.off_surface, estimate.largest_distance(surface, *mesh)});
-    if (cancelled(options.progress)) {
-      return error_at({}, "interrupted", Failure::interrupted);
-    }
-    const bool better = best.attempts.empty() || error < best.error;
-    best.attempts.push_back({cell, error, mesh->triangles.size()});
-    if (better) {
-      best.mesh = *std::move(mesh);
-      best.cell = cell;
-      best.error = error;
-      best.statistics = statistics;
-    }
-    if (error <= kAccept * tolerance) break;
-  }
-  best.reached = best.error <= tolerance;
-  if (!best.reached) remarks.push_back(tolerance_missed(tolerance, best.error, best.cell));
-  return {std::move(best), std::move(remarks)};
+  return ToTolerance(surface, tolerance, options).run(thinnest_radius, creased);
 }
 
 Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherRequest& request,
@@ -270,17 +308,16 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
   return {std::move(result), made.diagnostics()};
 }
 
-Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
-  return mesh_by_lattice(surface, request, 0);
-}
-
-Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request,
-                                     int left_out) {
+ToleranceOptions many_lattices(int left_out) {
   constexpr int kPatience = 7;
   ToleranceOptions options;
   options.most_attempts = kPatience;
   options.left_out = left_out;
-  return mesh_on_cells(surface, request, options);
+  return options;
+}
+
+Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request) {
+  return mesh_on_cells(surface, request, many_lattices());
 }
 
 }  // namespace cs2mesh

@@ -41,6 +41,18 @@ class GradientEstimate final : public DistanceEstimate {
   Progress* progress_;
 };
 
+/// A way to make few triangles of many.
+class Coarsener {
+ public:
+  virtual ~Coarsener() = default;
+  struct Coarse {
+    TriangleMesh mesh;
+    double error = 0.0;  ///< measured both ways, scene units; infinite where triangles cross
+  };
+  /// A mesh of the topology of `dense`, which is on cells of that side near the surface.
+  virtual Coarse coarsen(const TriangleMesh& dense, double cell) = 0;
+};
+
 /// A way of meshing a surface on cells of one size; as mesh_lattice(), but that it may also fail
 /// with Failure::check_failed, where the cell does not suit the surface.
 using CellMesher = Result<TriangleMesh> (*)(const ImplicitSurface& surface,
@@ -61,6 +73,9 @@ struct ToleranceOptions {
   std::size_t surface_samples = 100'000;
   /// From the mesh at the surface; GradientEstimate if null.
   const DistanceEstimate* estimate = nullptr;
+  /// If not null, meshes that nothing is missing from are coarsened, unless that leads too far from
+  /// the surface.
+  Coarsener* coarsener = nullptr;
   Progress* progress = nullptr;
 };
 
@@ -111,8 +126,7 @@ Result<MesherResult> mesh_on_cells(const ImplicitSurface& surface, const MesherR
 /// With the lattice mesher, on up to seven lattices: beside walls and kinks of F triangles cross
 /// until cells are as small as what is between those, and there is no other way.
 Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request);
-/// Without the first `left_out` of them, which were tried before.
-Result<MesherResult> mesh_by_lattice(const ImplicitSurface& surface, const MesherRequest& request,
-                                     int left_out);
+/// What that asks of mesh_on_cells(), without the first `left_out` of the lattices.
+ToleranceOptions many_lattices(int left_out = 0);
 
 }  // namespace cs2mesh

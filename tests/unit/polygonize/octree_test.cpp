@@ -62,6 +62,19 @@ TEST(Octree, ChildrenFillTheirParent) {
   EXPECT_THROW(octree.split(0), ContractViolation);
 }
 
+TEST(Octree, FindsTheLeafOfAPoint) {
+  Random random(5, 2);
+  const Octree octree = random_octree(random, 5);
+  const Aabb root = octree.box(0);
+  for (int i = 0; i < 200; ++i) {
+    const Vec3d p = root.min + random.uniform() * root.extent();
+    const Octree::Index leaf = octree.leaf_at(p);
+    EXPECT_TRUE(octree.is_leaf(leaf));
+    EXPECT_TRUE(octree.box(leaf).contains(p));
+  }
+  EXPECT_TRUE(octree.is_leaf(octree.leaf_at(root.max + Vec3d{1, 1, 1})));
+}
+
 TEST(Octree, LeavesCutTogetherAreCutAsOneByOne) {
   Octree one_by_one({1, 2, 3}, 8.0), together = one_by_one;
   const Octree::Index first = one_by_one.split(0);

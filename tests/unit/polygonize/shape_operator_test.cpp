@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "libfield/base/check.h"
+#include "tests/unit/polygonize/mesh_test_tools.h"
 
 namespace cs2mesh {
 namespace {
@@ -61,6 +62,22 @@ TEST(BendMetric, RaisesTheLesserCurvature) {
   EXPECT_NEAR(saddle.ratio, -1.0 / 8, 1e-12);
   EXPECT_NEAR(saddle.density, 4, 1e-12);
   EXPECT_EQ(bend_metric({}, z, 4.0).density, 0) << "flat";
+}
+
+/// Of a sphere 4 pi R^2 / (6 R e sqrt(3) / 4), whatever the mesh is made of.
+TEST(TrianglesNeeded, AreThoseOfAHexagonalMeshOfASphere) {
+  const double radius = 2.0, tolerance = 1e-3;
+  const double optimum = 4 * std::numbers::pi * radius / (1.5 * std::sqrt(3.0) * tolerance);
+  const double needed = triangles_needed(test::sphere_mesh(5, {1, 2, 3}, radius), tolerance);
+  EXPECT_NEAR(needed, optimum, 0.03 * optimum);
+  EXPECT_EQ(triangles_needed({}, tolerance), 0.0);
+}
+
+TEST(TrianglesNeeded, AreNoneOfAPlane) {
+  TriangleMesh mesh;
+  mesh.positions = {{0, 0, 1}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1}, {7, 7, 7}};
+  mesh.triangles = {{0, 1, 2}, {1, 3, 2}};
+  EXPECT_EQ(triangles_needed(mesh, 0.1), 0.0);
 }
 
 }  // namespace

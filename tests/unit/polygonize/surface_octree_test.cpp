@@ -8,8 +8,11 @@
 #include "libfield/base/check.h"
 #include "libfield/base/random.h"
 #include "libfield/field/compile.h"
+#include "libfield/field/field.h"
 #include "polygonize/adaptive_mesher.h"
 #include "polygonize/check.h"
+#include "polygonize/metrology.h"
+#include "polygonize/tolerance.h"
 #include "tests/unit/polygonize/analytic_surfaces.h"
 
 namespace cs2mesh {
@@ -247,6 +250,34 @@ TEST(AdaptiveMesher, GapsFarBelowTheToleranceStayOpen) {
 
 TEST(AdaptiveMesher, NecksFarBelowTheToleranceAreJoined) {
   EXPECT_EQ(components_and_open(-0.02), (std::pair<std::size_t, std::size_t>(1, 0)));
+}
+
+/// Profiles that jump or bend are meshed on lattices, whose cells suit what is thinnest in the
+/// scene, and made coarse.
+TEST(AdaptiveMesher, TakesFewTrianglesOfProfiles) {
+  Term bone;
+  bone.kernel = Gaussian{4.0, 3.0};
+  bone.primitive = Segment{{-1, 0, 0}, {1, 0, 0}};
+  bone.frame = frame_of(bone.primitive);
+  StrengthProfile waves;
+  waves.along_u = ProfileFunction::sin;
+  waves.scale_u = 5;
+  waves.times = 1.2;
+  waves.lower = 0.5;
+  waves.upper = 0.8;
+  bone.profiles = {waves};
+  const Field surface({bone}, 1e-9);
+  MesherRequest request;
+  request.tolerance = 0.01;
+  request.thinnest_radius = 0.05;
+  const Result<MesherResult> made = mesh_adaptive(surface, request);
+  ASSERT_TRUE(made);
+  EXPECT_TRUE(made->reached);
+  const Result<MesherResult> dense = mesh_by_lattice(surface, request);
+  ASSERT_TRUE(dense);
+  EXPECT_LT(4 * made->mesh.triangles.size(), dense->mesh.triangles.size());
+  EXPECT_TRUE(check(made->mesh).ok());
+  EXPECT_LE(measure(surface, made->mesh, {}).max(), request.tolerance);
 }
 
 }  // namespace

@@ -68,5 +68,36 @@ TEST(FirstOrderDistance, IsNotZeroDeepInsideAStiffField) {
   EXPECT_LT(distance, 0.6);
 }
 
+/// A bone that is thick to one side of a step and thin to the other, of which the gradient on the
+/// thin side knows nothing.
+TEST(FindFoot, OfSurfaceNearEnoughIsEnough) {
+  std::vector<Term> terms(1);
+  terms[0].kernel = Gaussian{4.0, 3.0};
+  terms[0].primitive = Segment{{-1, 0, 0}, {1, 0, 0}};
+  terms[0].frame = frame_of(terms[0].primitive);
+  StrengthProfile half;
+  half.along_u = ProfileFunction::step;
+  half.lower = 0.5;
+  terms[0].profiles = {half};
+  const Field field(std::move(terms), 1e-9);
+  const auto radius_at = [&](double x) {
+    double lo = 0, hi = 1;
+    for (int i = 0; i < 50; ++i)
+      (field.value({x, 0.5 * (lo + hi), 0}) >= 0 ? lo : hi) = 0.5 * (lo + hi);
+    return lo;
+  };
+  const double thin = radius_at(-0.01), thick = radius_at(0.01);
+  ASSERT_GT(thick, thin + 0.04);
+  const Vec3d p{-0.01, thick - 0.005, 0};  // 0.01 before the wall, more above the thin part
+  const double first_order = first_order_distance(field.jet(p), HUGE_VAL);
+  ASSERT_GT(first_order, 0.02);
+  for (const double enough : {0.012, 0.02}) {
+    const Foot foot = find_foot(field, p, first_order, enough);
+    EXPECT_LE(foot.distance, enough);
+    EXPECT_GE(foot.distance, 0.0099);
+    EXPECT_NEAR(norm(foot.point - p), foot.distance, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace cs2mesh
