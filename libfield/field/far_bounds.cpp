@@ -71,9 +71,9 @@ std::unique_ptr<FarField::Cell> FarField::cell_of(const BoxBatch& batch, double&
   if (around != nullptr) {
     cell->series = recentered(around->series, (cell->center - around->center) / around->half,
                               cell->half / around->half);
-    error = sorter.sort(around->nodes, around->elements, error, 1.0);
+    error = greatest(sorter.sort(around->nodes, around->elements, error, 1.0));
   } else {
-    error = sorter.sort({0}, {}, error, 1.0);
+    error = greatest(sorter.sort({0}, {}, error, 1.0));
   }
   cell->measure_series();
   return cell;

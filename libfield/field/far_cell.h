@@ -8,6 +8,7 @@
 
 #include "libfield/field/far_chords.h"
 #include "libfield/field/far_field.h"
+#include "libfield/integral/far_reach.h"
 
 namespace cs2mesh {
 
@@ -17,12 +18,12 @@ struct FarField::Cell {
   double half = 0.0;
   int level = 0;
   bool leaf = false;
-  Series series{};       ///< of (p - center) / half
-  double size = 0.0;     ///< sum of the absolute values of its coefficients
-  double hessian = 0.0;  ///< >= the norm of its second derivative
-  double third = 0.0;    ///< and of its third
-  double share = 0.0;    ///< of the cell's error budget, for one source
-  double error = 0.0;    ///< bound of that of the series, from the root on
+  Series series{};        ///< of (p - center) / half
+  double size = 0.0;      ///< sum of the absolute values of its coefficients
+  double hessian = 0.0;   ///< >= the norm of its second derivative
+  double third = 0.0;     ///< and of its third
+  double share = 0.0;     ///< of the cell's error budget, for one source
+  OctantErrors errors{};  ///< bounds of that of the series, from the root on
   /// What is not in the series: nodes of the source tree, and elements.
   std::vector<std::uint32_t> nodes, elements;
   std::size_t listed = 0;  ///< elements in all of them, as SourceNode::work()

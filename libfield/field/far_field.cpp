@@ -24,9 +24,9 @@ constexpr int kMostLevels = 20;
 /// The part of the error budget for the series along the way from the root. A cell with a long list
 /// serves many points and may cost much: it has a small part of what its parents have left. Those
 /// of the last levels, which are many, have a large one.
-constexpr double kSeriesPart = 0.7;
+constexpr double kSeriesPart = 0.8;
 constexpr std::size_t kLongList = 4000;
-constexpr double kEarlyPart = 1.0 / 6, kLatePart = 0.45;
+constexpr double kEarlyPart = 0.1, kLatePart = 0.55;
 /// A list shrinks from level to level, so that each source that leaves it may leave open more.
 constexpr double kShareGrowth = 2.3;
 
@@ -39,11 +39,7 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
   require(error_budget > 0, "the error budget must be positive");
   kernel_ = terms[tree_.elements().front().term].kernel.index();
   make_sources(domain);
-  const auto count = [&](int nodes) { return NodeCount{nodes, node_factor(two_nu, nodes)}; };
-  for (std::size_t i = 0; i < sum_counts_.size(); ++i) sum_counts_[i] = count(kFarNodes[i]);
-  for (std::size_t i = 0; i < rule_counts_.size(); ++i) {
-    rule_counts_[i] = count(static_cast<int>(kNodeRules[i + 1].size));
-  }
+  law_ = {two_nu, far_terms(two_nu), rule_bounds(two_nu), sum_bounds(two_nu)};
   for (std::size_t i = 0; i < chord_factors_.size(); ++i) {
     chord_factors_[i] = chord_factor(two_nu, kChordCounts[i]);
   }
@@ -111,9 +107,10 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
                     const std::vector<std::uint32_t>& elements, std::size_t listed,
                     double guess) const {
   Sorter sorter(*this, cell);
-  const double rest = kSeriesPart * error_budget_ - cell.error;
+  const double rest = kSeriesPart * error_budget_ - greatest(cell.errors);
   const double part = listed > kLongList ? kEarlyPart : kLatePart;
-  cell.error += sorter.sort(nodes, elements, part * rest, guess);
+  const OctantErrors errors = sorter.sort(nodes, elements, part * rest, guess);
+  for (std::size_t k = 0; k < errors.size(); ++k) cell.errors[k] += errors[k];
   cell.measure_series();
   // Where all is close together, smaller cells do not help; nor where a cell holds so little of
   // the surface that its points are summed before finer cells are set up.
@@ -121,7 +118,7 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
   cell.leaf =
       cell.level == kMostLevels - 1 || stuck || (cell.listed <= kLongestList && holds_few(cell));
   if (!cell.leaf && cell.listed > kShortList) return;
-  sorter.finish(error_budget_ - cell.error);
+  sorter.finish(error_budget_ - greatest(cell.errors));
   cell.leaf = cell.leaf || (cell.near.size() <= kMostNear && cell.points.size() <= kMostPoints &&
                             cell.triangles.size() <= kMostTriangles);
   if (!cell.leaf) cell.forget_shares();
@@ -151,7 +148,9 @@ std::unique_ptr<FarField::Cell> FarField::make_child(const Cell& parent, int oct
   cell->center = parent.center + parent.half * offset;
   cell->level = parent.level + 1;
   cell->series = recentered(parent.series, offset, 0.5);
-  cell->error = parent.error;
+  // All of it is in one of the parent's octants.
+  const int signs = octant & 1 ? ~octant : octant;
+  cell->errors.fill(parent.errors[static_cast<std::size_t>(signs >> 1 & 3)]);
   fill(*cell, parent.nodes, parent.elements, parent.listed, kShareGrowth * parent.share);
   return cell;
 }

@@ -6,8 +6,8 @@
 // its parent held, moved, and what has become far since. What is never far stays listed: within a
 // leaf an element of the list is summed exactly where it is near, else as a few weighted points
 // (Gauss-Legendre), a triangle chord by chord (far_chords.h). Every approximation carries a bound
-// of its error (taylor_series.h; for n nodes that of the 2n-th derivative), and the bounds along
-// the way from the root to a leaf add up to at most the error budget.
+// of its error (far_reach.h, far_nodes.h, far_chords.h), and the bounds along the way from the root
+// to a leaf add up to at most the error budget.
 #pragma once
 
 #include <array>
@@ -18,10 +18,10 @@
 #include <vector>
 
 #include "libfield/field/far_chords.h"
-#include "libfield/field/far_nodes.h"
 #include "libfield/field/far_remainders.h"
 #include "libfield/field/source_tree.h"
 #include "libfield/field/term_bounds.h"
+#include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/integral/segment_sum.h"
@@ -102,10 +102,9 @@ class FarField {
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;
-  std::array<NodeCount, kFarNodes.size()> sum_counts_{};        ///< for sums
-  std::array<NodeCount, kNodeRules.size() - 1> rule_counts_{};  ///< for series
-  std::array<double, kChordCounts.size()> chord_factors_{};     ///< chord_factor()
-  std::vector<SegmentSource> segments_;                         ///< the elements, points among them
+  FarBounds law_;                                            ///< of single elements
+  std::array<double, kChordCounts.size()> chord_factors_{};  ///< chord_factor()
+  std::vector<SegmentSource> segments_;                      ///< the elements, points among them
   std::vector<PointSource> points_;  ///< those that are points, by element; empty without any
   /// Triangles of moderate numbers, if their kernel has a bulk sum, and where each element is among
   /// them; empty without any.

@@ -7,6 +7,7 @@
 // most the greatest term of series_remainder(), q = R / sqrt(S), times
 //     E (c^2 + (1 - c^2) t^2)^(m/2),
 // which falls with m: a source that does not stand in the direction of a cube's corner needs fewer.
+// For the exponents of kernels far_reach.h has another factor, often less.
 #pragma once
 
 #include <array>
@@ -29,7 +30,7 @@ struct Truncation {
 };
 
 /// What series_remainder() gives, looked up: by q^2 in steps of 1/32 of a power of two, each with
-/// the remainder at its upper end, times the expectation above.
+/// the remainder at its upper end, times the factor for c.
 class FarRemainders {
  public:
   explicit FarRemainders(double two_nu);
@@ -37,11 +38,17 @@ class FarRemainders {
   /// The lowest order whose remainder is at most `most`; else the highest, whose error is infinite
   /// from q = 1 on. `c2` the square of c above, or larger.
   Truncation lowest_order(double q2, double c2, double most) const;
+  /// The error of that entry of kFarOrders, q2 < 1.
+  double error(std::size_t order, double q2, double c2) const {
+    return row_of(q2)[order] * aside_of(c2)[order];
+  }
 
  private:
   using Row = std::array<double, kFarOrders.size()>;
+  const Row& row_of(double q2) const;
+  const Row& aside_of(double c2) const;
   std::vector<Row> rows_;
-  std::array<Row, 33> aside_{};  ///< the expectation, by c^2 in steps of 1/32; 1 from c = 1 on
+  std::array<Row, 33> aside_{};  ///< the lesser factor, by c^2 in steps of 1/32; 1 from c = 1 on
 };
 
 }  // namespace cs2mesh

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -27,27 +28,28 @@ constexpr double kAlike = 1.0 / 10;
 /// So few elements that none of them reaches the cell are looked at again by its children.
 constexpr std::uint32_t kFewElements = 16;
 
-/// |d_x| + |d_y| + |d_z|.
-double sum_of_sizes(const Vec3d& d) {
-  return std::abs(d.x) + std::abs(d.y) + std::abs(d.z);
+/// c^2 of far_reach.h where nothing is moved, from 1 / S.
+double corner_share2(double reach, double over) {
+  return reach * reach * over * (1.0 / 3 * (1 + 1e-12));
 }
 
 }  // namespace
 
-double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
-                              const std::vector<std::uint32_t>& elements, double budget,
-                              double guess) {
+OctantErrors FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
+                                    const std::vector<std::uint32_t>& elements, double budget,
+                                    double guess) {
   // What each may leave open is guessed; where the sum is too much, each has to do better.
   double each = budget * std::min(guess, kGreatestShare);
   if (nodes.size() >= kManyNodes) {
     sort_every(kSampleStep, nodes, elements, each);
-    const double expected = static_cast<double>(kSampleStep) * error_;
+    const double expected = static_cast<double>(kSampleStep) * greatest(errors_);
     each = std::min(each * std::min(2.0, 0.8 * budget / expected), budget * kGreatestShare);
   }
   for (;;) {
     sort_every(1, nodes, elements, each);
-    if (error_ <= budget) break;
-    each *= std::min(0.9, 0.85 * budget / error_);
+    const double error = greatest(errors_);
+    if (error <= budget) break;
+    each *= std::min(0.9, 0.85 * budget / error);
   }
   cell_.share = each / budget;
   sum_up();
@@ -56,7 +58,7 @@ double FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
     cell_.listed += field_.tree_.elements()[element].is_triangle() ? kTriangleWork : 1;
   }
   for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).work();
-  return error_;
+  return errors_;
 }
 
 /// Sorts the first of every so many nodes and elements.
@@ -64,16 +66,17 @@ void FarField::Sorter::sort_every(std::size_t step, const std::vector<std::uint3
                                   const std::vector<std::uint32_t>& elements, double each) {
   clear();
   for (std::size_t i = 0; i < nodes.size(); i += step) sort_node(nodes[i], each);
-  for (std::size_t i = 0; i < elements.size(); i += step) sort_element(elements[i], each);
+  for (std::size_t i = 0; i < elements.size(); i += step) single_.push_back(elements[i]);
+  sort_single(each);
 }
 
 void FarField::Sorter::clear() {
   for (ByOrder& by_order : clusters_) {
     for (auto& sources : by_order) sources.clear();
   }
-  taken_.clear(), taken_chords_.clear(), chords_.clear();
+  single_.clear(), taken_.clear(), taken_chords_.clear(), chords_.clear();
   cell_.nodes.clear(), cell_.elements.clear();
-  error_ = 0.0;
+  errors_ = {};
 }
 
 void FarField::Sorter::sum_up() {
@@ -102,9 +105,9 @@ void FarField::Sorter::sum_up_elements() {
 /// By rule, then by falling order, then in the order in which they were taken.
 void FarField::Sorter::add_taken(std::span<const Taken> all, const SegmentSource* sources,
                                  HarmonicSums& sums) const {
-  constexpr std::size_t orders = kFarOrders.size();
+  constexpr std::size_t orders = kTaylorOrder + 1;
   const auto place = [&](const Taken& taken) {
-    return orders * taken.rule + (orders - 1 - taken.order);
+    return orders * taken.choice.rule + (orders - 1 - taken.choice.order);
   };
   std::array<std::uint32_t, orders * kNodeRules.size() + 1> begin{};
   for (const Taken& taken : all) ++begin[place(taken) + 1];
@@ -115,7 +118,7 @@ void FarField::Sorter::add_taken(std::span<const Taken> all, const SegmentSource
   for (const Taken& taken : all) {
     const std::uint32_t to = next[place(taken)]++;
     elements[to] = taken.element;
-    degrees[to] = static_cast<std::uint8_t>(kFarOrders[taken.order]);
+    degrees[to] = taken.choice.order;
   }
 
   NodeLists lists;
@@ -129,32 +132,56 @@ void FarField::Sorter::add_taken(std::span<const Taken> all, const SegmentSource
 }
 
 void FarField::Sorter::finish(double budget) {
-  std::vector<std::uint32_t> all;
+  std::vector<std::uint32_t> all, segments, triangles;
   field_.visit_unresolved(cell_, [&](std::uint32_t element) { all.push_back(element); });
   std::sort(all.begin(), all.end());
-  double each = budget * kLeafShare / static_cast<double>(std::max<std::size_t>(all.size(), 1));
+  cell_.points.clear(), cell_.near.clear();
+  for (const std::uint32_t element : all) {
+    const FarElement& shape = field_.tree_.elements()[element];
+    (shape.is_triangle() ? triangles
+     : shape.length > 0  ? segments
+                         : cell_.points)
+        .push_back(element);
+  }
+  const double each =
+      budget / static_cast<double>(std::max<std::size_t>(segments.size() + triangles.size(), 1));
+  finish_segments(segments, each * static_cast<double>(segments.size()));
+  finish_triangles(triangles, each * static_cast<double>(triangles.size()));
+}
+
+void FarField::Sorter::finish_segments(const std::vector<std::uint32_t>& segments, double budget) {
+  if (segments.empty()) return;
+  std::vector<std::uint8_t> choices(segments.size());
+  double most = budget * kLeafShare / static_cast<double>(segments.size());
   for (;;) {
-    cell_.near.clear(), cell_.points.clear(), cell_.triangles.clear();
-    for (auto& segments : cell_.segments) segments.clear();
+    const double error = bulk_table().choose_nodes(field_.law_, {cell_.center, cell_.half, most},
+                                                   field_.segments_.data(), segments.data(),
+                                                   segments.size(), choices.data());
+    if (error <= budget) break;
+    most *= std::min(0.9, 0.85 * budget / error);
+  }
+  for (auto& some : cell_.segments) some.clear();
+  for (std::size_t i = 0; i < segments.size(); ++i) {
+    (choices[i] > 0 ? cell_.segments[choices[i] - 1U] : cell_.near).push_back(segments[i]);
+  }
+}
+
+void FarField::Sorter::finish_triangles(const std::vector<std::uint32_t>& triangles,
+                                        double budget) {
+  if (triangles.empty()) return;
+  const std::size_t segments = cell_.near.size();
+  double most = budget * kLeafShare / static_cast<double>(triangles.size());
+  for (;;) {
+    cell_.near.resize(segments), cell_.triangles.clear();
     for (auto& chords : cell_.chords) chords.clear();
-    error_ = 0.0;
-    for (const std::uint32_t element : all) {
-      const FarElement& shape = field_.tree_.elements()[element];
-      if (!(shape.length > 0)) {
-        cell_.points.push_back(element);
-        continue;
-      }
-      const double s = nearest2(squared_distance(shape, cell_.center), shape.tau);
-      if (shape.is_triangle()) {
-        list_triangle(element, s, each);
-        continue;
-      }
-      const auto nodes = nodes_for(shape.length, shape.mass(), s, field_.sum_counts_, each);
-      (nodes ? cell_.segments[nodes->entry] : cell_.near).push_back(element);
-      error_ += nodes ? nodes->error : 0.0;
+    double error = 0.0;
+    for (const std::uint32_t index : triangles) {
+      const FarElement& triangle = field_.tree_.elements()[index];
+      const double d2 = squared_distance(triangle, cell_.center);
+      error += list_triangle(index, nearest2(d2, triangle.tau), most);
     }
-    if (error_ <= budget) return;
-    each *= std::min(0.9, 0.85 * budget / error_);
+    if (error <= budget) return;
+    most *= std::min(0.9, 0.85 * budget / error);
   }
 }
 
@@ -179,7 +206,7 @@ void FarField::Sorter::sort_node(std::uint32_t index, double each) {
     sort_node(index + 1, each);
     sort_node(node.right, each);
   } else {
-    for (std::uint32_t i = 0; i < node.count; ++i) sort_element(node.first + i, each);
+    for (std::uint32_t i = 0; i < node.count; ++i) single_.push_back(node.first + i);
   }
 }
 
@@ -189,14 +216,15 @@ FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, dou
   const SourceNode& node = field_.tree_.node(index);
   const Vec3d d = cell_.center - node.center;
   const double apart = norm(d), r = cell_.radius();
-  const double l1 = sum_of_sizes(d);
+  const std::array<double, kOctantPairs> reach = octant_reach(d);
+  const double farthest_reach = greatest(reach);
   const FarRemainders& remainders = field_.remainders_[0];
   const double most = 0.5 * each;
   if (node.count <= kFewElements) {
     const double farthest = apart + node.radius;
     const double over = 1 / (farthest * farthest + node.tau + node.tau_spread);
     const double lightest = node.mass / node.count * half_power(field_.two_nu_, over);
-    const double c2 = corner_share2(l1, over);
+    const double c2 = corner_share2(farthest_reach, over);
     if (lightest * remainders.lowest_order(r * r * over, c2, most / lightest).error > most) {
       return Reach::near;
     }
@@ -206,29 +234,32 @@ FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, dou
   const double nearest = apart - node.radius;
   const double over = 1 / (nearest * nearest + node.least_tau);
   const double heaviest = node.heaviest * half_power(field_.two_nu_, over);
-  const double c2 = corner_share2(l1 + 1.7320508075688774 * node.radius, over);
-  const Truncation cut = remainders.lowest_order(r * r * over, c2, most / heaviest);
+  const auto share2 = [&](double some) {
+    return corner_share2(some + 1.7320508075688774 * node.radius, over);
+  };
+  const Truncation cut =
+      remainders.lowest_order(r * r * over, share2(farthest_reach), most / heaviest);
   if (!(heaviest * cut.error <= most)) return Reach::mixed;
-  const auto nodes =
-      nodes_for(node.longest, node.heaviest, nearest2(nearest * nearest, node.least_tau),
-                field_.rule_counts_, most);
-  if (!nodes) return Reach::mixed;
+  const double near = std::max(0.0, nearest - r);
+  const auto rule = rule_for(node.longest, node.heaviest, near * near + node.least_tau, most);
+  if (!rule) return Reach::mixed;
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-    take_element(i, cut.order, nodes->entry);
+    const bool segment = field_.tree_.elements()[i].length > 0;
+    taken_.push_back({i,
+                      {static_cast<std::uint8_t>(kFarOrders[cut.order]),
+                       static_cast<std::uint8_t>(segment ? rule->entry : 0)}});
   }
-  error_ += node.mass / node.heaviest * (heaviest * cut.error + nodes->error);
+  for (std::size_t k = 0; k < kOctantPairs; ++k) {
+    const double error = remainders.error(cut.order, r * r * over, share2(reach[k]));
+    errors_[k] += node.mass / node.heaviest * (heaviest * error + rule->error);
+  }
   return Reach::far;
 }
 
-/// The square of corner_share() where nothing is moved, from 1 / S.
-double FarField::Sorter::corner_share2(double l1, double over) {
-  return l1 * l1 * over * (1.0 / 3 * (1 + 1e-12));
-}
-
 /// c of far_remainders.h: for x in the cell, moved by up to `radius`, |d.x| / sqrt(S) relative to
-/// the greatest |x|, where the components of d add up to l1 in absolute value.
-double FarField::Sorter::corner_share(double l1, double s, double radius) const {
-  return (cell_.half * l1 / std::sqrt(s) + radius) / (cell_.radius() + radius) * (1 + 1e-12);
+/// the greatest |x|; `reach` as octant_reach().
+double FarField::Sorter::corner_share(double reach, double s, double radius) const {
+  return (cell_.half * reach / std::sqrt(s) + radius) / (cell_.radius() + radius) * (1 + 1e-12);
 }
 
 /// Adds a cluster to the sources, if its error can be had under `each`. Where the tau of its
@@ -242,10 +273,11 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
   const double spread = node.tau_spread / s, nu = 0.5 * field_.two_nu_;
   const int sets = spread > 0 ? kTauOrders : 1;
   const double share = each / (size * (sets > 1 ? sets + 1 : 1));
-  double error = sets > 1 ? spread_remainder(q, spread) : 0.0;
-  if (!(error <= share)) return false;
+  const double rest = sets > 1 ? spread_remainder(q, spread) : 0.0;
+  if (!(rest <= share)) return false;
 
-  const double c = corner_share(sum_of_sizes(d), s, node.radius);
+  const std::array<double, kOctantPairs> reach = octant_reach(d);
+  const double c = corner_share(greatest(reach), s, node.radius);
   std::array<Truncation, kTauOrders> truncation;
   double weight = 1.0;  // |binomial(-nu, j)| spread^j
   for (int j = 0; j < sets; ++j) {
@@ -255,11 +287,20 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
     if (!(weight * cut.error <= share)) return false;
     // Those of every other order, so that fewer stand alone.
     cut.order += static_cast<std::size_t>(kFarOrders[cut.order] % 2);
-    error += weight * cut.error;
     weight *= spread * (nu + j) / (j + 1);
   }
 
-  error_ += size * error;
+  for (std::size_t k = 0; k < kOctantPairs; ++k) {
+    const double side = corner_share(reach[k], s, node.radius);
+    double error = rest;
+    weight = 1.0;
+    for (int j = 0; j < sets; ++j) {
+      const auto i = static_cast<std::size_t>(j);
+      error += weight * field_.remainders_[i].error(truncation[i].order, q * q, side * side);
+      weight *= spread * (nu + j) / (j + 1);
+    }
+    errors_[k] += size * error;
+  }
   double factor = power;
   for (int j = 0; j < sets; ++j) {
     const auto k = static_cast<std::size_t>(j);
@@ -281,50 +322,60 @@ double FarField::Sorter::spread_remainder(double q, double spread) const {
   return weight / (std::pow(nearest, nu + kTauOrders) * (1 - ratio)) * (1 + 1e-12);
 }
 
-void FarField::Sorter::sort_element(std::uint32_t index, double each) {
+/// Sorts the elements that are to be sorted one by one.
+void FarField::Sorter::sort_single(double each) {
+  if (field_.tree_.node(0).triangles > 0) {
+    const auto is_triangle = [&](std::uint32_t index) {
+      return field_.tree_.elements()[index].is_triangle();
+    };
+    const auto first =
+        std::stable_partition(single_.begin(), single_.end(), std::not_fn(is_triangle));
+    for (auto triangle = first; triangle != single_.end(); ++triangle) {
+      sort_triangle(*triangle, each);
+    }
+    single_.erase(first, single_.end());
+  }
+  choices_.resize(single_.size());
+  bulk_table().choose_far(field_.law_, {cell_.center, cell_.half, 0.5 * each},
+                          field_.segments_.data(), single_.data(), single_.size(), choices_.data(),
+                          errors_);
+  for (std::size_t i = 0; i < single_.size(); ++i) {
+    if (choices_[i].order == 0) {
+      cell_.elements.push_back(single_[i]);
+    } else {
+      taken_.push_back({single_[i], choices_[i]});
+    }
+  }
+}
+
+void FarField::Sorter::sort_triangle(std::uint32_t index, double each) {
   const FarElement& element = field_.tree_.elements()[index];
   const double d2 = squared_distance(element, cell_.center);
   const double over = 1 / (d2 + element.tau);
   const double size = element.mass() * half_power(field_.two_nu_, over);
-  // Of all places on the element, as it is convex.
-  const double l1 =
-      std::max({sum_of_sizes(cell_.center - element.a), sum_of_sizes(cell_.center - element.b),
-                element.is_triangle() ? sum_of_sizes(cell_.center - element.apex) : 0.0});
+  // Of all places on the triangle, as it is convex.
+  std::array<double, kOctantPairs> reach{};
+  for (const Vec3d& vertex : {element.a, element.b, element.apex}) {
+    const std::array<double, kOctantPairs> own = octant_reach(cell_.center - vertex);
+    for (std::size_t k = 0; k < kOctantPairs; ++k) reach[k] = std::max(reach[k], own[k]);
+  }
   const double q2 = cell_.radius() * cell_.radius() * over, most = 0.5 * each;
+  const FarRemainders& remainders = field_.remainders_[0];
   const Truncation cut =
-      field_.remainders_[0].lowest_order(q2, corner_share2(l1, over), most / size);
-  const double error = size * cut.error;
-  if (element.is_triangle()) {
-    std::optional<ChordChoice> chords;
-    if (error <= most) {
-      chords = chords_for(element, nearest2(d2, element.tau), field_.rule_counts_, most);
-    }
-    if (!chords) {
-      cell_.elements.push_back(index);
-    } else {
-      error_ += error + chords->error;
-      take_triangle(index, cut.order, *chords);
-    }
-    return;
+      remainders.lowest_order(q2, corner_share2(greatest(reach), over), most / size);
+  std::optional<ChordChoice> chords;
+  if (size * cut.error <= most) {
+    chords = chords_for(element, nearest2(d2, element.tau), field_.law_.rules, most);
   }
-  std::optional<Choice> nodes;
-  if (error <= most) {
-    nodes = nodes_for(element.length, element.mass(), nearest2(d2, element.tau),
-                      field_.rule_counts_, most);
-  }
-  if (!nodes) {
+  if (!chords) {
     cell_.elements.push_back(index);
     return;
   }
-  error_ += error + nodes->error;
-  take_element(index, cut.order, nodes->entry);
-}
-
-/// By an entry of FarField::rule_counts_, if it is a segment.
-void FarField::Sorter::take_element(std::uint32_t index, std::size_t order, std::size_t nodes) {
-  const bool segment = field_.tree_.elements()[index].length > 0;
-  taken_.push_back({index, static_cast<std::uint8_t>(order),
-                    static_cast<std::uint8_t>(segment ? nodes + 1 : 0)});
+  for (std::size_t k = 0; k < kOctantPairs; ++k) {
+    errors_[k] +=
+        size * remainders.error(cut.order, q2, corner_share2(reach[k], over)) + chords->error;
+  }
+  take_triangle(index, cut.order, *chords);
 }
 
 void FarField::Sorter::take_triangle(std::uint32_t index, std::size_t order,
@@ -332,31 +383,33 @@ void FarField::Sorter::take_triangle(std::uint32_t index, std::size_t order,
   const int count = kChordCounts[choice.rule];
   for (int j = 0; j < count; ++j) {
     taken_chords_.push_back(
-        {static_cast<std::uint32_t>(chords_.size()), static_cast<std::uint8_t>(order),
-         static_cast<std::uint8_t>(choice.nodes[static_cast<std::size_t>(j)] + 1)});
+        {static_cast<std::uint32_t>(chords_.size()),
+         {static_cast<std::uint8_t>(kFarOrders[order]),
+          static_cast<std::uint8_t>(choice.nodes[static_cast<std::size_t>(j)] + 1)}});
     chords_.push_back(
         {index, static_cast<std::uint16_t>(choice.rule), static_cast<std::uint16_t>(j)});
   }
 }
 
 /// Lists a triangle to be summed from squared distance s on as what takes least time of what has an
-/// error of at most `each`.
-void FarField::Sorter::list_triangle(std::uint32_t index, double s, double each) {
-  const auto choice = chords_for(field_.tree_.elements()[index], s, field_.sum_counts_, each);
+/// error of at most `each`; returns that error.
+double FarField::Sorter::list_triangle(std::uint32_t index, double s, double each) {
+  const auto choice = chords_for(field_.tree_.elements()[index], s, field_.law_.sums, each);
   const double rounding = field_.rounding_of(index);
   if (rounding <= each && (!choice || choice->total > kMostNodes)) {
     cell_.triangles.push_back(*field_.triangle_number_[index]);
-    error_ += rounding;
-  } else if (choice) {
+    return rounding;
+  }
+  if (choice) {
     const int count = kChordCounts[choice->rule];
     for (int j = 0; j < count; ++j) {
       cell_.chords[choice->nodes[static_cast<std::size_t>(j)]].push_back(
           {index, static_cast<std::uint16_t>(choice->rule), static_cast<std::uint16_t>(j)});
     }
-    error_ += choice->error;
-  } else {
-    cell_.near.push_back(index);
+    return choice->error;
   }
+  cell_.near.push_back(index);
+  return 0.0;
 }
 
 /// <= |x - q|^2 + tau for x in the cell and q at squared distance d2 or more from its centre.
@@ -365,21 +418,32 @@ double FarField::Sorter::nearest2(double d2, double tau) const {
   return nearest * nearest + tau;
 }
 
-/// As how few nodes (one of the counts) a segment of that length and mass may be summed from
-/// squared distance s on; none if the error of no number is at most `most`.
-std::optional<FarField::Sorter::Choice> FarField::Sorter::nodes_for(
-    double length, double mass, double s, std::span<const NodeCount> counts, double most) const {
-  if (!(length > 0)) return Choice{};
-  const double length2 = length * length;
-  if (length2 > kLongest2 * s) return std::nullopt;
-  const double over = 1 / s, ratio = length2 * over;
-  const double size = mass * half_power(field_.two_nu_, over);
+/// By which rule segments up to that length and mass may be taken from squared distance s on; none
+/// if the error of no number of nodes is at most `most`.
+std::optional<FarField::Sorter::Rule> FarField::Sorter::rule_for(double length, double mass,
+                                                                 double s, double most) const {
+  if (!(length > 0)) return Rule{};
+  const std::optional<Rule> found = nodes_for(length, mass, s, field_.law_.rules, most);
+  if (!found) return std::nullopt;
+  return Rule{found->entry + 1, found->error};
+}
+
+/// By which entry of a list of rules segments up to that length and mass may be taken likewise.
+std::optional<FarField::Sorter::Rule> FarField::Sorter::nodes_for(double length, double mass,
+                                                                  double s,
+                                                                  std::span<const NodeBound> counts,
+                                                                  double most) const {
+  if (!(length * length <= kLongest2 * s)) return std::nullopt;
+  const double two_nu = field_.two_nu_, y = node_ellipse(0.5 * length, std::sqrt(s));
+  const double size = mass * inverse_power(two_nu, s);  // rho H >= 2 sqrt(s)
   double power = 1.0;
   int power_of = 0;
   for (std::size_t i = 0; i < counts.size(); ++i) {
-    for (; power_of < counts[i].nodes; ++power_of) power *= ratio;
-    const double error = size * counts[i].factor * power;
-    if (error <= most) return Choice{i, error};
+    const NodeBound& bound = counts[i];
+    for (; power_of < bound.nodes; ++power_of) power *= y;
+    const NodeError<double> here(two_nu, bound, y, power);
+    const double error = size * here.over / here.under * (1 + 1e-12);
+    if (here.under > 0 && error <= most) return Rule{i, error};
   }
   return std::nullopt;
 }
@@ -387,7 +451,7 @@ std::optional<FarField::Sorter::Choice> FarField::Sorter::nodes_for(
 /// As how few chords, each of as few nodes (one of the counts), a triangle may be summed from
 /// squared distance s on; none if the error of no number is at most `most`.
 std::optional<FarField::Sorter::ChordChoice> FarField::Sorter::chords_for(
-    const FarElement& triangle, double s, std::span<const NodeCount> counts, double most) const {
+    const FarElement& triangle, double s, std::span<const NodeBound> counts, double most) const {
   const double length2 = triangle.length * triangle.length;
   if (length2 > kLongest2 * s) return std::nullopt;
   const double mass = triangle.mass(), ratio = length2 / s;

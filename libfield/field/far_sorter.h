@@ -9,6 +9,7 @@
 
 #include "libfield/field/far_cell.h"
 #include "libfield/field/far_remainders.h"
+#include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/harmonics.h"
 
@@ -19,10 +20,10 @@ class FarField::Sorter {
   Sorter(const FarField& field, Cell& cell) : field_(field), cell_(cell) {}
 
   /// Moves what is far enough of these nodes and elements into the cell's series, and the others
-  /// into its lists. Returns a bound of the error anywhere in the cell, at most `budget`; `guess`
-  /// is the first try of the share of it that one source may have.
-  double sort(const std::vector<std::uint32_t>& nodes, const std::vector<std::uint32_t>& elements,
-              double budget, double guess);
+  /// into its lists. Returns bounds of the error in the cell, at most `budget`; `guess` is the
+  /// first try of the share of it that one source may have.
+  OctantErrors sort(const std::vector<std::uint32_t>& nodes,
+                    const std::vector<std::uint32_t>& elements, double budget, double guess);
 
   /// Divides what a leaf still lists into what is near and what a few points stand for.
   void finish(double budget);
@@ -32,7 +33,7 @@ class FarField::Sorter {
   /// An element, or one of chords_, that goes into the series.
   struct Taken {
     std::uint32_t element;
-    std::uint8_t order, rule;  ///< entries of kFarOrders and kNodeRules
+    FarChoice choice;
   };
 
   void clear();
@@ -42,17 +43,17 @@ class FarField::Sorter {
   enum class Reach { far, mixed, near };
   Reach take_elements(std::uint32_t index, double each);
   bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
-  double corner_share(double l1, double s, double radius) const;
-  static double corner_share2(double l1, double over);
+  double corner_share(double reach, double s, double radius) const;
   double spread_remainder(double q, double spread) const;
-  void sort_element(std::uint32_t index, double each);
-  /// An entry of an array, with a bound of the error that comes with it.
-  struct Choice {
+  void sort_single(double each);
+  /// An entry of kNodeRules, with a bound of the error that comes with it.
+  struct Rule {
     std::size_t entry = 0;
     double error = 0.0;
   };
-  std::optional<Choice> nodes_for(double length, double mass, double s,
-                                  std::span<const NodeCount> counts, double most) const;
+  std::optional<Rule> nodes_for(double length, double mass, double s,
+                                std::span<const NodeBound> counts, double most) const;
+  std::optional<Rule> rule_for(double length, double mass, double s, double most) const;
   /// A triangle as chords: an entry of kChordCounts, and for each chord one of the counts.
   struct ChordChoice {
     std::size_t rule = 0;
@@ -61,13 +62,15 @@ class FarField::Sorter {
     double error = 0.0;
   };
   std::optional<ChordChoice> chords_for(const FarElement& triangle, double s,
-                                        std::span<const NodeCount> counts, double most) const;
+                                        std::span<const NodeBound> counts, double most) const;
   double nearest2(double d2, double tau) const;
+  void sort_triangle(std::uint32_t index, double each);
+  void take_triangle(std::uint32_t index, std::size_t order, const ChordChoice& choice);
+  void finish_segments(const std::vector<std::uint32_t>& segments, double budget);
+  void finish_triangles(const std::vector<std::uint32_t>& triangles, double budget);
+  double list_triangle(std::uint32_t index, double s, double each);
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
                   const double* moments, double size) const;
-  void take_element(std::uint32_t index, std::size_t order, std::size_t nodes);
-  void take_triangle(std::uint32_t index, std::size_t order, const ChordChoice& choice);
-  void list_triangle(std::uint32_t index, double s, double each);
   void sum_up();
   void sum_up_elements();
   void add_taken(std::span<const Taken> taken, const SegmentSource* sources,
@@ -75,8 +78,10 @@ class FarField::Sorter {
 
   const FarField& field_;
   Cell& cell_;
-  double error_ = 0.0;
+  OctantErrors errors_{};
   std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
+  std::vector<std::uint32_t> single_;         ///< elements to be sorted one by one
+  std::vector<FarChoice> choices_;            ///< of these
   std::vector<Taken> taken_, taken_chords_;
   std::vector<FarChord> chords_;  ///< of triangles that go into the series
 };

@@ -177,9 +177,9 @@ void collect_far_fields(FieldData& data) {
     elements[*far_exponent(term.kernel)].push_back(
         *far_element(term, static_cast<std::uint32_t>(i)));
   }
-  // Terms that are left out and approximations share the budget.
-  const double budget =
-      0.5 * data.error_budget / std::max<double>(1.0, static_cast<double>(elements.size()));
+  // Terms that are left out, where there are such, and approximations share the budget.
+  const double budget = (data.plain_count > 0 ? 0.5 : 1.0) * data.error_budget /
+                        std::max<double>(1.0, static_cast<double>(elements.size()));
   for (auto& [two_nu, list] : elements) {
     Aabb domain = data.bounds;
     if (!domain.finite()) {  // as with a plane

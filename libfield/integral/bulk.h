@@ -11,6 +11,7 @@
 #include <type_traits>
 
 #include "libfield/base/jet.h"
+#include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/frames.h"
 #include "libfield/integral/point_sum.h"
@@ -78,6 +79,8 @@ struct BulkTable {
   AddSegments<double> segment_values;
   AddTriangles<Jet> sum_triangle_jets;
   AddTriangles<double> sum_triangle_values;
+  ChooseFar choose_far;
+  ChooseNodes choose_nodes;
   AddNodes add_nodes;
   AddSources add_sources;
   AddMoments add_moments;

@@ -1,6 +1,7 @@
 // The entries of a BulkTable over packs of N; see bulk.h and the rules at the head of pack.h.
 #pragma once
 
+#include <algorithm>
 #include <utility>
 
 #include "libfield/integral/bulk.h"
@@ -164,24 +165,92 @@ struct BulkPack {
              [&](const Vec3<T>& p) { return triangle_sum<T>(sources, index, source_count, p); });
   }
 
+  /// Some segments, one number of all of them after the other: looked up well before they are
+  /// wanted in lanes, as what is written number by number is not at once there to be read in packs.
+  struct SegmentBlock {
+    static constexpr std::size_t kMost = 64;
+    double numbers[8][kMost];
+
+    void load(const SegmentSource* segments, const std::uint32_t* index, std::size_t count) {
+      for (std::size_t i = 0; i < count; ++i) {
+        const SegmentSource& segment = segments[index[i]];
+        const Vec3d &m = segment.middle, &h = segment.half;
+        numbers[0][i] = m.x, numbers[1][i] = m.y, numbers[2][i] = m.z;
+        numbers[3][i] = h.x, numbers[4][i] = h.y, numbers[5][i] = h.z;
+        numbers[6][i] = segment.weight, numbers[7][i] = segment.tau;
+      }
+      // Where a pack lacks some, they weigh nothing.
+      for (std::size_t i = count; i % N != 0; ++i) {
+        for (auto& number : numbers) number[i] = 0.0;
+        numbers[7][i] = 1.0;
+      }
+    }
+  };
   /// A segment a lane.
   struct Segments {
     Vec3<Pack<N>> middle, half;
     Pack<N> weight, tau;
 
-    Segments(const SegmentSource* segments, const std::uint32_t* index, std::size_t count)
-        : weight(0.0), tau(1.0) {
-      for (std::size_t lane = 0; lane < N && lane < count; ++lane) {
-        const SegmentSource& segment = segments[index[lane]];
-        const int i = static_cast<int>(lane);
-        const Vec3d& m = segment.middle;
-        const Vec3d& h = segment.half;
-        middle.x.lane[i] = m.x, middle.y.lane[i] = m.y, middle.z.lane[i] = m.z;
-        half.x.lane[i] = h.x, half.y.lane[i] = h.y, half.z.lane[i] = h.z;
-        weight.lane[i] = segment.weight, tau.lane[i] = segment.tau;
+    Segments(const SegmentBlock& block, std::size_t first) {
+      Pack<N>* const to[8] = {&middle.x, &middle.y, &middle.z, &half.x,
+                              &half.y,   &half.z,   &weight,   &tau};
+      for (std::size_t k = 0; k < 8; ++k) {
+        for (int lane = 0; lane < N; ++lane) {
+          to[k]->lane[lane] = block.numbers[k][first + static_cast<std::size_t>(lane)];
+        }
       }
     }
   };
+  /// Calls visit(first, some) for every pack of segments.
+  template <class Visit>
+  static void visit_segments(const SegmentSource* segments, const std::uint32_t* index,
+                             std::size_t count, const Visit& visit) {
+    SegmentBlock block;
+    for (std::size_t begin = 0; begin < count; begin += SegmentBlock::kMost) {
+      const std::size_t here = std::min(count - begin, SegmentBlock::kMost);
+      block.load(segments, index + begin, here);
+      for (std::size_t i = 0; i < here; i += N) visit(begin + i, Segments(block, i));
+    }
+  }
+
+  CS2MESH_FLATTEN static void choose_far(const FarBounds& law, const FarFrame& frame,
+                                         const SegmentSource* segments, const std::uint32_t* index,
+                                         std::size_t count, FarChoice* choices,
+                                         OctantErrors& errors) {
+    std::array<Pack<N>, kOctantPairs> sums{};
+    visit_segments(segments, index, count, [&](std::size_t first, const Segments& some) {
+      const FarSegments<Pack<N>> far(law, frame, some.middle, some.half, some.weight, some.tau);
+      for (std::size_t k = 0; k < kOctantPairs; ++k) sums[k] += far.errors[k];
+      for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
+        const auto i = static_cast<int>(lane);
+        choices[first + lane] = {static_cast<std::uint8_t>(far.order.lane[i]),
+                                 static_cast<std::uint8_t>(far.rule.lane[i])};
+      }
+    });
+    for (std::size_t k = 0; k < kOctantPairs; ++k) {
+      for (int lane = 0; lane < N; ++lane) errors[k] += sums[k].lane[lane];
+    }
+  }
+
+  CS2MESH_FLATTEN static double choose_nodes(const FarBounds& law, const FarFrame& frame,
+                                             const SegmentSource* segments,
+                                             const std::uint32_t* index, std::size_t count,
+                                             std::uint8_t* choices) {
+    using P = Pack<N>;
+    P sum(0);
+    visit_segments(segments, index, count, [&](std::size_t first, const Segments& some) {
+      const Vec3<P> d{P(frame.center.x) - some.middle.x, P(frame.center.y) - some.middle.y,
+                      P(frame.center.z) - some.middle.z};
+      const FarNodes<P> nodes(law.two_nu, frame, law.sums, d, some.half, some.weight, some.tau);
+      sum += select(nodes.entry > P(0), nodes.error, P(0));
+      for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
+        choices[first + lane] = static_cast<std::uint8_t>(nodes.entry.lane[static_cast<int>(lane)]);
+      }
+    });
+    double error = 0.0;
+    for (int lane = 0; lane < N; ++lane) error += sum.lane[lane];
+    return error;
+  }
 
   CS2MESH_FLATTEN static void add_nodes(double two_nu, const SeriesFrame& frame,
                                         const SegmentSource* segments, const NodeLists& lists,
@@ -197,30 +266,40 @@ struct BulkPack {
       const Vec3<P> d{unit * (P(frame.center.x) - fma(t, some.half.x, some.middle.x)),
                       unit * (P(frame.center.y) - fma(t, some.half.y, some.middle.y)),
                       unit * (P(frame.center.z) - fma(t, some.half.z, some.middle.z))};
-      const P s = fma(d.x, d.x, fma(d.y, d.y, fma(d.z, d.z, unit * unit * some.tau)));
-      const P over = P(1) / s;
+      const P squared = fma(d.x, d.x, fma(d.y, d.y, d.z * d.z));
+      const P over = P(1) / fma(unit * unit, some.tau, squared);
       const P power = two_nu == 4.0 ? over * over : two_nu == 2.0 ? over : sqrt(over);
-      return FarPlaces<P>{d, over, P(scale * part) * some.weight * power};
+      const P apart = P(1) / sqrt(max(squared, P(1e-280)));
+      return FarPlaces<P>{{apart * d.x, apart * d.y, apart * d.z},
+                          apart * squared * over,
+                          over,
+                          P(scale * part) * some.weight * power};
     };
-    // What is added together is so up to the order of the first, the highest.
-    constexpr int kMost = PlaceHarmonics<N>::kMostPacks;
-    FarPlaces<P> places[kMost];
-    for (std::size_t which = 0; which < lists.size(); ++which) {
-      const auto& [list, orders] = lists[which];
-      const NodeRule& rule = kNodeRules[which];
-      int waiting = 0, order = 0;
-      for (std::size_t first = 0; first < list.size(); first += N) {
-        const Segments some(segments, list.data() + first, list.size() - first);
-        for (std::size_t k = 0; k < rule.size; ++k) {
-          if (waiting == 0) order = orders[first];
-          places[waiting++] = place(some, rule.along[k], rule.part[k]);
-          if (waiting < kMost) continue;
-          harmonics.template add<kMost>(order, places);
-          waiting = 0;
-        }
+    // Many are looked up before they are added: looking up waits for memory.
+    constexpr int kAdded = PlaceHarmonics<N>::kPacks, kMost = 4 * kAdded;
+    FarPlaces<P> places[kMost] = {};
+    int orders[kMost] = {}, waiting = 0;
+    const auto add = [&] {
+      for (int k = 0; k < waiting; k += kAdded) {
+        harmonics.add(*std::max_element(orders + k, orders + k + kAdded), places + k);
       }
-      for (int k = 0; k < waiting; ++k) harmonics.template add<1>(order, places + k);
+      waiting = 0;
+    };
+    for (std::size_t which = 0; which < lists.size(); ++which) {
+      const auto& list = lists[which].segments;
+      const auto& list_orders = lists[which].orders;
+      const NodeRule& rule = kNodeRules[which];
+      const auto add_pack = [&](std::size_t first, const Segments& some) {
+        for (std::size_t k = 0; k < rule.size; ++k) {
+          orders[waiting] = list_orders[first];  // of a pack the highest
+          places[waiting++] = place(some, rule.along[k], rule.part[k]);
+          if (waiting == kMost) add();
+        }
+      };
+      visit_segments(segments, list.data(), list.size(), add_pack);
     }
+    for (; waiting % kAdded != 0; ++waiting) places[waiting] = {}, orders[waiting] = 0;
+    add();
     harmonics.add_to(sums);
   }
 
@@ -369,8 +448,8 @@ struct BulkPack {
     return {row<Jet>(),         row<double>(),         weights<Jet>(),      weights<double>(),
             points<Jet>(),      points<double>(),      triangles<Jet>(),    triangles<double>(),
             &add_segments<Jet>, &add_segments<double>, &sum_triangles<Jet>, &sum_triangles<double>,
-            &add_nodes,         &add_sources,          &add_moments,        &add_series<Jet>,
-            &add_series<double>};
+            &choose_far,        &choose_nodes,         &add_nodes,          &add_sources,
+            &add_moments,       &add_series<Jet>,      &add_series<double>};
   }
 };
 

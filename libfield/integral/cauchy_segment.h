@@ -53,18 +53,24 @@ T cauchy_tail(const T& y) {
   return polynomial(kTailPowers, T(y * T(2.0 / kTailReach) - T(1)));
 }
 
-/// 1 / v at the nodes of Gauss-Legendre over the whole stretch.
+/// 1 / v at the nodes i and i + 1 of Gauss-Legendre over the whole stretch.
 template <std::size_t N, class T>
-std::array<T, N> cauchy_line_profile(const T& s2, const T& t1, const T& length, const T& p) {
-  constexpr const UnitRule<N>& rule = kUnitRule<N>;
-  // A loop of its own: the divisions are independent and overlap.
-  std::array<T, N> w;
-  const auto v = [&](std::size_t i) {
-    const T t = t1 + length * T(rule.node[i]);
+Reciprocals<T> cauchy_line_pair(std::size_t i, const T& s2, const T& t1, const T& length,
+                                const T& p) {
+  const auto v = [&](std::size_t at) {
+    const T t = t1 + length * T(kUnitRule<N>.node[at]);
     return T(p + s2 * (t * t));
   };
+  return Reciprocals<T>(v(i), v(i + 1));
+}
+
+/// 1 / v at all of them.
+template <std::size_t N, class T>
+std::array<T, N> cauchy_line_profile(const T& s2, const T& t1, const T& length, const T& p) {
+  // A loop of its own: the divisions are independent and overlap.
+  std::array<T, N> w;
   for (std::size_t i = 0; i < N; i += 2) {
-    const Reciprocals<T> two(v(i), v(i + 1));
+    const Reciprocals<T> two = cauchy_line_pair<N>(i, s2, t1, length, p);
     w[i] = two.of_a;
     w[i + 1] = two.of_b;
   }
@@ -75,15 +81,16 @@ std::array<T, N> cauchy_line_profile(const T& s2, const T& t1, const T& length, 
 template <std::size_t N, class T>
 CauchyLine<T> cauchy_line_nodes(const T& s2, const T& t1, const T& length, const T& p) {
   constexpr const UnitRule<N>& rule = kUnitRule<N>;
-  const std::array<T, N> w = cauchy_line_profile<N>(s2, t1, length, p);
   std::array<T, 2> j1{}, j2{}, j3{};
   for (std::size_t i = 0; i < N; i += 2) {
+    const Reciprocals<T> two = cauchy_line_pair<N>(i, s2, t1, length, p);
+    const std::array<T, 2> w = {two.of_a, two.of_b};
     for (std::size_t chain = 0; chain < 2; ++chain) {
-      const T first = T(rule.weight[i + chain]) * w[i + chain];
-      const T second = first * w[i + chain];
+      const T first = T(rule.weight[i + chain]) * w[chain];
+      const T second = first * w[chain];
       j1[chain] += first;
       j2[chain] += second;
-      j3[chain] += second * w[i + chain];
+      j3[chain] += second * w[chain];
     }
   }
   return {length * (j1[0] + j1[1]), length * (j2[0] + j2[1]), length * (j3[0] + j3[1]), {}};
