@@ -7,7 +7,8 @@
 // open
 //     |error| <= mass 2 h_n binomial(2n + 2 nu - 1, 2n) (l^2 / s)^n s^-nu,
 // 2 h_n = n!^2 (n + 1)!^2 / ((n + 1) (2n + 1)!^2) the norm of the monic polynomial of the nodes
-// for the weight 2u, and what is left out of the chords themselves comes on top (integral/far_nodes.h).
+// for the weight 2u, and what is left out of the chords themselves comes on top
+// (integral/far_nodes.h).
 #pragma once
 
 #include <cstdint>
