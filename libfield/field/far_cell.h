@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "libfield/field/far_chords.h"
 #include "libfield/field/far_field.h"
 #include "libfield/integral/far_reach.h"
 
@@ -25,12 +26,14 @@ struct FarField::Cell {
   OctantErrors errors{};  ///< bounds of that of the series, from the root on
   /// What is not in the series: nodes of the source tree, and elements.
   std::vector<std::uint32_t> nodes, elements;
-  std::size_t listed = 0;  ///< elements in all of them
+  std::size_t listed = 0;  ///< elements in all of them, as SourceNode::work()
   // Of a leaf, the elements in them: those that are points, segments to be summed as so many nodes
-  // (an entry of kFarNodes), and what is near.
+  // (an entry of kFarNodes), triangles' chords likewise, triangles whose closed form will do (by
+  // their numbers in triangles_), and what is near.
   std::vector<std::uint32_t> points;
   std::array<std::vector<std::uint32_t>, kFarNodes.size()> segments;
-  std::vector<std::uint32_t> near;
+  std::array<std::vector<FarChord>, kFarNodes.size()> chords;
+  std::vector<std::uint32_t> triangles, near;
   mutable std::array<std::atomic<Cell*>, 8> children{};
 
   Cell() = default;
@@ -49,8 +52,9 @@ struct FarField::Cell {
   }
   /// Gives back what only a leaf needs.
   void forget_shares() {
-    points = {}, near = {};
+    points = {}, triangles = {}, near = {};
     for (auto& some : segments) some = {};
+    for (auto& some : chords) some = {};
   }
   /// Finds what is known of the series.
   void measure_series();

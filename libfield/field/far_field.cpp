@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <unordered_map>
 
@@ -15,8 +16,8 @@ namespace {
 
 /// A cell whose list is no longer is a leaf: about as many as are summed in the time that finer
 /// cells would take to set up. No more of them may be near, which take ten times as long,
-/// nor points, whose cells take less time to set up.
-constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostPoints = 700;
+/// nor triangles in packs, nor points, whose cells take less time to set up.
+constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostTriangles = 300, kMostPoints = 700;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
@@ -37,24 +38,52 @@ FarField::FarField(double two_nu, std::vector<FarElement> elements, const std::v
   require(!tree_.elements().empty(), "a far field needs elements");
   require(error_budget > 0, "the error budget must be positive");
   kernel_ = terms[tree_.elements().front().term].kernel.index();
-  make_sources();
+  make_sources(domain);
   law_ = {two_nu, far_terms(two_nu), rule_bounds(two_nu), sum_bounds(two_nu)};
+  for (std::size_t i = 0; i < chord_factors_.size(); ++i) {
+    chord_factors_[i] = chord_factor(two_nu, kChordCounts[i]);
+  }
   for (int j = 0; j < kTauOrders; ++j) remainders_.emplace_back(two_nu + 2 * j);
   root_ = make_root(domain);
 }
 
-void FarField::make_sources() {
+void FarField::make_sources(const Aabb& domain) {
+  Aabb all = domain;
   const std::size_t count = tree_.elements().size();
+  all.include(tree_.node(0).box);
+  const double reach = all.diagonal();
   segments_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const FarElement& element = tree_.elements()[i];
     const double weight = std::copysign(element.mass(), element.weight);
     segments_.push_back({element.middle(), 0.5 * (element.b - element.a), weight, element.tau});
+    if (element.is_triangle()) make_triangle(i, reach);
     if (element.length > 0) continue;
     points_.resize(count);
     const Term& term = (*terms_)[element.term];
     points_[i] = point_source(term.kernel, Point{element.a}, term.sign);
   }
+}
+
+/// `reach`: how far a place may be from it.
+void FarField::make_triangle(std::size_t element, double reach) {
+  constexpr double kGreatest = 1e18;
+  const Term& term = (*terms_)[tree_.elements()[element].term];
+  const auto* cauchy = std::get_if<Cauchy>(&term.kernel);
+  if (cauchy == nullptr || !(cauchy->s * reach < kGreatest)) return;
+  const auto& frame = *std::get<std::shared_ptr<const TriangleFrame<double>>>(term.frame);
+  triangle_number_.resize(tree_.elements().size());
+  triangle_number_[element] = static_cast<std::uint32_t>(triangles_.size());
+  triangles_.push_back(triangle_source(*cauchy, frame, term.sign));
+}
+
+/// What the bulk sum leaves open of an element that is a triangle; infinite if there is none.
+double FarField::rounding_of(std::uint32_t triangle) const {
+  if (triangle_number_.empty() || !triangle_number_[triangle]) {
+    return std::numeric_limits<double>::infinity();
+  }
+  const Term& term = (*terms_)[tree_.elements()[triangle].term];
+  return triangle_rounding(std::get<Cauchy>(term.kernel));
 }
 
 FarField::~FarField() = default;
@@ -70,7 +99,7 @@ std::unique_ptr<FarField::Cell> FarField::make_root(const Aabb& domain) const {
   const Vec3d half{root->half, root->half, root->half};
   root->lo = root->center - half;
   root->hi = root->center + half;
-  fill(*root, {0}, {}, tree_.elements().size(), 1.0);
+  fill(*root, {0}, {}, tree_.node(0).work(), 1.0);
   return root;
 }
 
@@ -90,7 +119,8 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
       cell.level == kMostLevels - 1 || stuck || (cell.listed <= kLongestList && holds_few(cell));
   if (!cell.leaf && cell.listed > kShortList) return;
   sorter.finish(error_budget_ - greatest(cell.errors));
-  cell.leaf = cell.leaf || (cell.near.size() <= kMostNear && cell.points.size() <= kMostPoints);
+  cell.leaf = cell.leaf || (cell.near.size() <= kMostNear && cell.points.size() <= kMostPoints &&
+                            cell.triangles.size() <= kMostTriangles);
   if (!cell.leaf) cell.forget_shares();
 }
 
@@ -170,11 +200,20 @@ void FarField::add_cell(const Cell* leaf, std::span<const Vec3d> points,
     table.point_row<Out>()[kernel_](points_.data(), cell.points.data(), cell.points.size(),
                                     points.data(), sums.data(), points.size());
   }
+  thread_local ChordSources chords;
   for (std::size_t which = 0; which < kFarNodes.size(); ++which) {
-    const std::vector<std::uint32_t>& segments = cell.segments[which];
-    if (segments.empty()) continue;
-    table.add_segments<Out>()(two_nu_, which, segments_.data(), segments.data(), segments.size(),
-                              points.data(), sums.data(), points.size());
+    const auto add = [&](const SegmentSource* sources, std::span<const std::uint32_t> list) {
+      if (list.empty()) return;
+      table.add_segments<Out>()(two_nu_, which, sources, list.data(), list.size(), points.data(),
+                                sums.data(), points.size());
+    };
+    add(segments_.data(), cell.segments[which]);
+    chords.set(cell.chords[which], tree_.elements());
+    add(chords.sources().data(), chords.all());
+  }
+  if (!cell.triangles.empty()) {
+    table.add_triangles<Out>()(triangles_.data(), cell.triangles.data(), cell.triangles.size(),
+                               points.data(), sums.data(), points.size());
   }
   for (const std::uint32_t element : cell.near) {
     accumulate((*terms_)[tree_.elements()[element].term], points, sums);
@@ -183,22 +222,28 @@ void FarField::add_cell(const Cell* leaf, std::span<const Vec3d> points,
 
 template <class Out>
 void FarField::add_grouped(std::span<const Vec3d> points, std::span<Out> sums) const {
+  if (points.empty()) return;
+  const auto cell_of_place = [&](const Vec3d& p) -> const Cell* {
+    return root_->holds(p) ? &leaf_of(p) : nullptr;
+  };
+  const Cell* cell = cell_of_place(points[0]);
+  const auto is_within = [&](const Vec3d& p) {
+    return cell != nullptr ? cell->holds(p) : !root_->holds(p);
+  };
+  if (std::all_of(points.begin() + 1, points.end(), is_within)) {
+    return add_cell(cell, points, sums);
+  }
   // Cell by cell, in the order in which they are met.
   std::vector<const Cell*> cells;
   std::unordered_map<const Cell*, std::uint32_t> number_of;
   std::vector<std::uint32_t> number(points.size());
-  const Cell* cell = nullptr;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (i == 0 || (cell != nullptr ? !cell->holds(points[i]) : root_->holds(points[i]))) {
-      cell = root_->holds(points[i]) ? &leaf_of(points[i]) : nullptr;
-    }
+    if (!is_within(points[i])) cell = cell_of_place(points[i]);
     const auto [place, is_new] =
         number_of.try_emplace(cell, static_cast<std::uint32_t>(cells.size()));
     if (is_new) cells.push_back(cell);
     number[i] = place->second;
   }
-  if (cells.size() == 1) return add_cell(cells[0], points, sums);
-
   std::vector<std::uint32_t> begin(cells.size() + 1, 0);
   for (const std::uint32_t n : number) ++begin[n + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());

@@ -1,20 +1,23 @@
-// The sum of thousands of points and segments whose kernels reach everywhere, at a cost that does
-// not grow with their number: a fast multipole method with the target octree built where it is
-// asked for (Greengard and Rokhlin 1987; Taylor series after Duan and Krasny 2001).
+// The sum of thousands of points, segments and triangles whose kernels reach everywhere, at a cost
+// that does not grow with their number: a fast multipole method with the target octree built where
+// it is asked for (Greengard and Rokhlin 1987; Taylor series after Duan and Krasny 2001).
 //
 // A cell of the octree holds the Taylor series about its centre of all that is far from it: what
 // its parent held, moved, and what has become far since. What is never far stays listed: within a
 // leaf an element of the list is summed exactly where it is near, else as a few weighted points
-// (Gauss-Legendre). Every approximation carries a bound of its error (far_reach.h, far_nodes.h),
-// and the bounds along the way from the root to a leaf add up to at most the error budget.
+// (Gauss-Legendre), a triangle chord by chord (far_chords.h). Every approximation carries a bound
+// of its error (far_reach.h, far_nodes.h, far_chords.h), and the bounds along the way from the root
+// to a leaf add up to at most the error budget.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
+#include "libfield/field/far_chords.h"
 #include "libfield/field/far_remainders.h"
 #include "libfield/field/source_tree.h"
 #include "libfield/field/term_bounds.h"
@@ -22,6 +25,7 @@
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/integral/segment_sum.h"
+#include "libfield/integral/triangle_sum.h"
 
 namespace cs2mesh {
 
@@ -83,7 +87,9 @@ class FarField {
   std::size_t add_near_bounds(const Cell& cell, const BoxBatch& batch, double negligible,
                               std::span<SumBound> sums) const;
   void add_series(const Cell& cell, const BoxBatch& batch, std::span<SumBound> sums) const;
-  void make_sources();
+  void make_sources(const Aabb& domain);
+  void make_triangle(std::size_t element, double reach);
+  double rounding_of(std::uint32_t triangle) const;
   std::unique_ptr<Cell> make_root(const Aabb& domain) const;
   std::unique_ptr<Cell> make_child(const Cell& parent, int octant) const;
   const Cell& child(const Cell& parent, int octant) const;
@@ -96,9 +102,14 @@ class FarField {
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;
-  FarBounds law_;                        ///< of single elements
-  std::vector<SegmentSource> segments_;  ///< the elements, points among them
-  std::vector<PointSource> points_;      ///< those that are points, by element; empty without any
+  FarBounds law_;                                            ///< of single elements
+  std::array<double, kChordCounts.size()> chord_factors_{};  ///< chord_factor()
+  std::vector<SegmentSource> segments_;                      ///< the elements, points among them
+  std::vector<PointSource> points_;  ///< those that are points, by element; empty without any
+  /// Triangles of moderate numbers, if their kernel has a bulk sum, and where each element is among
+  /// them; empty without any.
+  std::vector<TriangleSource> triangles_;
+  std::vector<std::optional<std::uint32_t>> triangle_number_;
   std::unique_ptr<Cell> root_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 
@@ -17,6 +18,11 @@ constexpr double kGreatestShare = 1.0 / 32;
 constexpr std::size_t kManyNodes = 64, kSampleStep = 8;
 /// What an element of a leaf may leave open at first, as a multiple of its part of the budget.
 constexpr double kLeafShare = 4.0;
+/// No number of nodes will do for segments whose squared length, relative to their distance, is
+/// greater.
+constexpr double kLongest2 = 4.0;
+/// The closed form of a triangle takes as long as so many nodes.
+constexpr int kMostNodes = 30;
 /// Elements of a node look alike where its radius is at most this part of the distance.
 constexpr double kAlike = 1.0 / 10;
 /// So few elements that none of them reaches the cell are looked at again by its children.
@@ -47,8 +53,11 @@ OctantErrors FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
   }
   cell_.share = each / budget;
   sum_up();
-  cell_.listed = cell_.elements.size();
-  for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).count;
+  cell_.listed = 0;
+  for (const std::uint32_t element : cell_.elements) {
+    cell_.listed += field_.tree_.elements()[element].is_triangle() ? kTriangleWork : 1;
+  }
+  for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).work();
   return errors_;
 }
 
@@ -65,7 +74,7 @@ void FarField::Sorter::clear() {
   for (ByOrder& by_order : clusters_) {
     for (auto& sources : by_order) sources.clear();
   }
-  single_.clear(), taken_.clear();
+  single_.clear(), taken_.clear(), taken_chords_.clear(), chords_.clear();
   cell_.nodes.clear(), cell_.elements.clear();
   errors_ = {};
 }
@@ -79,22 +88,34 @@ void FarField::Sorter::sum_up() {
                         clusters_[j][i].data(), clusters_[j][i].size(), cell_.series.data());
     }
   }
-  if (!taken_.empty()) sum_up_elements();
+  if (!taken_.empty() || !chords_.empty()) sum_up_elements();
+}
+
+void FarField::Sorter::sum_up_elements() {
+  HarmonicSums sums{};
+  if (!taken_.empty()) add_taken(taken_, field_.segments_.data(), sums);
+  if (!chords_.empty()) {
+    thread_local ChordSources sources;
+    sources.set(chords_, field_.tree_.elements());
+    add_taken(taken_chords_, sources.sources().data(), sums);
+  }
+  add_harmonics(sums, cell_.series);
 }
 
 /// By rule, then by falling order, then in the order in which they were taken.
-void FarField::Sorter::sum_up_elements() {
+void FarField::Sorter::add_taken(std::span<const Taken> all, const SegmentSource* sources,
+                                 HarmonicSums& sums) const {
   constexpr std::size_t orders = kTaylorOrder + 1;
   const auto place = [&](const Taken& taken) {
     return orders * taken.choice.rule + (orders - 1 - taken.choice.order);
   };
   std::array<std::uint32_t, orders * kNodeRules.size() + 1> begin{};
-  for (const Taken& taken : taken_) ++begin[place(taken) + 1];
+  for (const Taken& taken : all) ++begin[place(taken) + 1];
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<std::uint32_t> elements(taken_.size());
-  std::vector<std::uint8_t> degrees(taken_.size());
+  std::vector<std::uint32_t> elements(all.size());
+  std::vector<std::uint8_t> degrees(all.size());
   auto next = begin;
-  for (const Taken& taken : taken_) {
+  for (const Taken& taken : all) {
     const std::uint32_t to = next[place(taken)]++;
     elements[to] = taken.element;
     degrees[to] = taken.choice.order;
@@ -107,21 +128,28 @@ void FarField::Sorter::sum_up_elements() {
     lists[rule] = {std::span(elements).subspan(first, count),
                    std::span(degrees).subspan(first, count)};
   }
-  HarmonicSums sums{};
-  bulk_table().add_nodes(field_.two_nu_, {cell_.center, cell_.half}, field_.segments_.data(), lists,
-                         sums.data());
-  add_harmonics(sums, cell_.series);
+  bulk_table().add_nodes(field_.two_nu_, {cell_.center, cell_.half}, sources, lists, sums.data());
 }
 
 void FarField::Sorter::finish(double budget) {
-  std::vector<std::uint32_t> all, segments;
+  std::vector<std::uint32_t> all, segments, triangles;
   field_.visit_unresolved(cell_, [&](std::uint32_t element) { all.push_back(element); });
   std::sort(all.begin(), all.end());
-  cell_.points.clear();
+  cell_.points.clear(), cell_.near.clear();
   for (const std::uint32_t element : all) {
-    const bool segment = field_.tree_.elements()[element].length > 0;
-    (segment ? segments : cell_.points).push_back(element);
+    const FarElement& shape = field_.tree_.elements()[element];
+    (shape.is_triangle() ? triangles
+     : shape.length > 0  ? segments
+                         : cell_.points)
+        .push_back(element);
   }
+  const double each =
+      budget / static_cast<double>(std::max<std::size_t>(segments.size() + triangles.size(), 1));
+  finish_segments(segments, each * static_cast<double>(segments.size()));
+  finish_triangles(triangles, each * static_cast<double>(triangles.size()));
+}
+
+void FarField::Sorter::finish_segments(const std::vector<std::uint32_t>& segments, double budget) {
   if (segments.empty()) return;
   std::vector<std::uint8_t> choices(segments.size());
   double most = budget * kLeafShare / static_cast<double>(segments.size());
@@ -132,10 +160,28 @@ void FarField::Sorter::finish(double budget) {
     if (error <= budget) break;
     most *= std::min(0.9, 0.85 * budget / error);
   }
-  cell_.near.clear();
   for (auto& some : cell_.segments) some.clear();
   for (std::size_t i = 0; i < segments.size(); ++i) {
     (choices[i] > 0 ? cell_.segments[choices[i] - 1U] : cell_.near).push_back(segments[i]);
+  }
+}
+
+void FarField::Sorter::finish_triangles(const std::vector<std::uint32_t>& triangles,
+                                        double budget) {
+  if (triangles.empty()) return;
+  const std::size_t segments = cell_.near.size();
+  double most = budget * kLeafShare / static_cast<double>(triangles.size());
+  for (;;) {
+    cell_.near.resize(segments), cell_.triangles.clear();
+    for (auto& chords : cell_.chords) chords.clear();
+    double error = 0.0;
+    for (const std::uint32_t index : triangles) {
+      const FarElement& triangle = field_.tree_.elements()[index];
+      const double d2 = squared_distance(triangle, cell_.center);
+      error += list_triangle(index, nearest2(d2, triangle.tau), most);
+    }
+    if (error <= budget) return;
+    most *= std::min(0.9, 0.85 * budget / error);
   }
 }
 
@@ -183,7 +229,8 @@ FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, dou
       return Reach::near;
     }
   }
-  if (node.radius > kAlike * apart) return Reach::mixed;
+  // Chords differ from triangle to triangle.
+  if (node.radius > kAlike * apart || node.triangles > 0) return Reach::mixed;
   const double nearest = apart - node.radius;
   const double over = 1 / (nearest * nearest + node.least_tau);
   const double heaviest = node.heaviest * half_power(field_.two_nu_, over);
@@ -277,6 +324,17 @@ double FarField::Sorter::spread_remainder(double q, double spread) const {
 
 /// Sorts the elements that are to be sorted one by one.
 void FarField::Sorter::sort_single(double each) {
+  if (field_.tree_.node(0).triangles > 0) {
+    const auto is_triangle = [&](std::uint32_t index) {
+      return field_.tree_.elements()[index].is_triangle();
+    };
+    const auto first =
+        std::stable_partition(single_.begin(), single_.end(), std::not_fn(is_triangle));
+    for (auto triangle = first; triangle != single_.end(); ++triangle) {
+      sort_triangle(*triangle, each);
+    }
+    single_.erase(first, single_.end());
+  }
   choices_.resize(single_.size());
   bulk_table().choose_far(field_.law_, {cell_.center, cell_.half, 0.5 * each},
                           field_.segments_.data(), single_.data(), single_.size(), choices_.data(),
@@ -290,21 +348,134 @@ void FarField::Sorter::sort_single(double each) {
   }
 }
 
+void FarField::Sorter::sort_triangle(std::uint32_t index, double each) {
+  const FarElement& element = field_.tree_.elements()[index];
+  const double d2 = squared_distance(element, cell_.center);
+  const double over = 1 / (d2 + element.tau);
+  const double size = element.mass() * half_power(field_.two_nu_, over);
+  // Of all places on the triangle, as it is convex.
+  std::array<double, kOctantPairs> reach{};
+  for (const Vec3d& vertex : {element.a, element.b, element.apex}) {
+    const std::array<double, kOctantPairs> own = octant_reach(cell_.center - vertex);
+    for (std::size_t k = 0; k < kOctantPairs; ++k) reach[k] = std::max(reach[k], own[k]);
+  }
+  const double q2 = cell_.radius() * cell_.radius() * over, most = 0.5 * each;
+  const FarRemainders& remainders = field_.remainders_[0];
+  const Truncation cut =
+      remainders.lowest_order(q2, corner_share2(greatest(reach), over), most / size);
+  std::optional<ChordChoice> chords;
+  if (size * cut.error <= most) {
+    chords = chords_for(element, nearest2(d2, element.tau), field_.law_.rules, most);
+  }
+  if (!chords) {
+    cell_.elements.push_back(index);
+    return;
+  }
+  for (std::size_t k = 0; k < kOctantPairs; ++k) {
+    errors_[k] +=
+        size * remainders.error(cut.order, q2, corner_share2(reach[k], over)) + chords->error;
+  }
+  take_triangle(index, cut.order, *chords);
+}
+
+void FarField::Sorter::take_triangle(std::uint32_t index, std::size_t order,
+                                     const ChordChoice& choice) {
+  const int count = kChordCounts[choice.rule];
+  for (int j = 0; j < count; ++j) {
+    taken_chords_.push_back(
+        {static_cast<std::uint32_t>(chords_.size()),
+         {static_cast<std::uint8_t>(kFarOrders[order]),
+          static_cast<std::uint8_t>(choice.nodes[static_cast<std::size_t>(j)] + 1)}});
+    chords_.push_back(
+        {index, static_cast<std::uint16_t>(choice.rule), static_cast<std::uint16_t>(j)});
+  }
+}
+
+/// Lists a triangle to be summed from squared distance s on as what takes least time of what has an
+/// error of at most `each`; returns that error.
+double FarField::Sorter::list_triangle(std::uint32_t index, double s, double each) {
+  const auto choice = chords_for(field_.tree_.elements()[index], s, field_.law_.sums, each);
+  const double rounding = field_.rounding_of(index);
+  if (rounding <= each && (!choice || choice->total > kMostNodes)) {
+    cell_.triangles.push_back(*field_.triangle_number_[index]);
+    return rounding;
+  }
+  if (choice) {
+    const int count = kChordCounts[choice->rule];
+    for (int j = 0; j < count; ++j) {
+      cell_.chords[choice->nodes[static_cast<std::size_t>(j)]].push_back(
+          {index, static_cast<std::uint16_t>(choice->rule), static_cast<std::uint16_t>(j)});
+    }
+    return choice->error;
+  }
+  cell_.near.push_back(index);
+  return 0.0;
+}
+
+/// <= |x - q|^2 + tau for x in the cell and q at squared distance d2 or more from its centre.
+double FarField::Sorter::nearest2(double d2, double tau) const {
+  const double nearest = std::max(0.0, std::sqrt(d2) - cell_.radius());
+  return nearest * nearest + tau;
+}
+
 /// By which rule segments up to that length and mass may be taken from squared distance s on; none
 /// if the error of no number of nodes is at most `most`.
 std::optional<FarField::Sorter::Rule> FarField::Sorter::rule_for(double length, double mass,
                                                                  double s, double most) const {
   if (!(length > 0)) return Rule{};
-  if (!(length * length <= 4 * s)) return std::nullopt;
+  const std::optional<Rule> found = nodes_for(length, mass, s, field_.law_.rules, most);
+  if (!found) return std::nullopt;
+  return Rule{found->entry + 1, found->error};
+}
+
+/// By which entry of a list of rules segments up to that length and mass may be taken likewise.
+std::optional<FarField::Sorter::Rule> FarField::Sorter::nodes_for(double length, double mass,
+                                                                  double s,
+                                                                  std::span<const NodeBound> counts,
+                                                                  double most) const {
+  if (!(length * length <= kLongest2 * s)) return std::nullopt;
   const double two_nu = field_.two_nu_, y = node_ellipse(0.5 * length, std::sqrt(s));
   const double size = mass * inverse_power(two_nu, s);  // rho H >= 2 sqrt(s)
-  for (std::size_t i = 0; i < field_.law_.rules.size(); ++i) {
-    const NodeBound& bound = field_.law_.rules[i];
-    const NodeError<double> here(two_nu, bound, y, std::pow(y, bound.nodes));
+  double power = 1.0;
+  int power_of = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    const NodeBound& bound = counts[i];
+    for (; power_of < bound.nodes; ++power_of) power *= y;
+    const NodeError<double> here(two_nu, bound, y, power);
     const double error = size * here.over / here.under * (1 + 1e-12);
-    if (here.under > 0 && error <= most) return Rule{i + 1, error};
+    if (here.under > 0 && error <= most) return Rule{i, error};
   }
   return std::nullopt;
+}
+
+/// As how few chords, each of as few nodes (one of the counts), a triangle may be summed from
+/// squared distance s on; none if the error of no number is at most `most`.
+std::optional<FarField::Sorter::ChordChoice> FarField::Sorter::chords_for(
+    const FarElement& triangle, double s, std::span<const NodeBound> counts, double most) const {
+  const double length2 = triangle.length * triangle.length;
+  if (length2 > kLongest2 * s) return std::nullopt;
+  const double mass = triangle.mass(), ratio = length2 / s;
+  const double size = mass * half_power(field_.two_nu_, 1 / s);
+  ChordChoice choice;
+  double power = 1.0;
+  int power_of = 0;
+  for (;; ++choice.rule) {
+    if (choice.rule == kChordCounts.size()) return std::nullopt;
+    for (; power_of < kChordCounts[choice.rule]; ++power_of) power *= ratio;
+    choice.error = size * field_.chord_factors_[choice.rule] * power;
+    if (choice.error <= 0.5 * most) break;
+  }
+  const double base = norm(triangle.b - triangle.a);
+  std::size_t j = 0;
+  for (const Chord& chord : chord_rule(choice.rule)) {
+    const auto nodes =
+        nodes_for(chord.at * base, chord.part * mass, s, counts, 0.5 * most * chord.part);
+    if (!nodes) return std::nullopt;
+    choice.nodes[j++] = static_cast<std::uint8_t>(nodes->entry);
+    choice.total += counts[nodes->entry].nodes;
+    choice.error += nodes->error;
+  }
+  return choice;
 }
 
 void FarField::Sorter::add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s,

@@ -11,6 +11,7 @@
 #include "libfield/field/far_remainders.h"
 #include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
+#include "libfield/integral/harmonics.h"
 
 namespace cs2mesh {
 
@@ -29,7 +30,7 @@ class FarField::Sorter {
 
  private:
   using ByOrder = std::array<std::vector<SeriesSource>, kFarOrders.size()>;
-  /// An element that goes into the series.
+  /// An element, or one of chords_, that goes into the series.
   struct Taken {
     std::uint32_t element;
     FarChoice choice;
@@ -50,11 +51,30 @@ class FarField::Sorter {
     std::size_t entry = 0;
     double error = 0.0;
   };
+  std::optional<Rule> nodes_for(double length, double mass, double s,
+                                std::span<const NodeBound> counts, double most) const;
   std::optional<Rule> rule_for(double length, double mass, double s, double most) const;
+  /// A triangle as chords: an entry of kChordCounts, and for each chord one of the counts.
+  struct ChordChoice {
+    std::size_t rule = 0;
+    std::array<std::uint8_t, kChordCounts.back()> nodes{};
+    int total = 0;  ///< of nodes
+    double error = 0.0;
+  };
+  std::optional<ChordChoice> chords_for(const FarElement& triangle, double s,
+                                        std::span<const NodeBound> counts, double most) const;
+  double nearest2(double d2, double tau) const;
+  void sort_triangle(std::uint32_t index, double each);
+  void take_triangle(std::uint32_t index, std::size_t order, const ChordChoice& choice);
+  void finish_segments(const std::vector<std::uint32_t>& segments, double budget);
+  void finish_triangles(const std::vector<std::uint32_t>& triangles, double budget);
+  double list_triangle(std::uint32_t index, double s, double each);
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
                   const double* moments, double size) const;
   void sum_up();
   void sum_up_elements();
+  void add_taken(std::span<const Taken> taken, const SegmentSource* sources,
+                 HarmonicSums& sums) const;
 
   const FarField& field_;
   Cell& cell_;
@@ -62,7 +82,8 @@ class FarField::Sorter {
   std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
   std::vector<std::uint32_t> single_;         ///< elements to be sorted one by one
   std::vector<FarChoice> choices_;            ///< of these
-  std::vector<Taken> taken_;
+  std::vector<Taken> taken_, taken_chords_;
+  std::vector<FarChord> chords_;  ///< of triangles that go into the series
 };
 
 }  // namespace cs2mesh

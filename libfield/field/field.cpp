@@ -35,15 +35,18 @@ bool is_plain_point(const Term& term) {
   return std::holds_alternative<Point>(term.primitive) && !term.to_local && term.profiles.empty();
 }
 
-/// From so many terms on whose kernel reaches everywhere, they go into a far field.
-constexpr std::size_t kFewestFar = 256;
+/// From so many terms on whose kernel reaches everywhere, they go into a far field; triangles,
+/// which take longer, count as more.
+constexpr std::size_t kFewestFar = 256, kTriangleCount = 8;
 
 /// Whether a term with that far exponent is to go into a far field.
 class FarKinds {
  public:
   explicit FarKinds(const std::vector<Term>& terms) {
     for (const Term& term : terms) {
-      if (far_element(term, 0)) ++count_[*far_exponent(term.kernel)];
+      const std::optional<FarElement> element = far_element(term, 0);
+      if (!element) continue;
+      count_[*far_exponent(term.kernel)] += element->is_triangle() ? kTriangleCount : 1;
     }
   }
   bool holds(const Term& term) const {

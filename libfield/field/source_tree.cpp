@@ -7,7 +7,9 @@
 #include <cmath>
 #include <limits>
 
+#include "libfield/field/far_chords.h"
 #include "libfield/integral/bulk.h"
+#include "libfield/primitive/nearest_point.h"
 
 namespace cs2mesh {
 namespace {
@@ -15,10 +17,17 @@ namespace {
 /// A node this large has about as many elements as a series has time to gather: moments of its
 /// halves would be twice the memory and the time to set up, and no evaluation would be faster.
 constexpr std::uint32_t kFewestMoments = 128;
+/// A triangle has as many nodes as so many of those elements.
+constexpr std::uint32_t kTriangleNodes = 8;
+/// Of triangles, longest edge over smallest height.
+constexpr double kMostSlender = 1e4;
 /// Elements that are sorted together.
 constexpr std::uint32_t kLeafSize = 16;
 /// The halves of larger nodes are measured side by side.
 constexpr std::uint32_t kParallelSize = 2048;
+/// Eight chords integrate all powers that count over a triangle exactly.
+constexpr std::size_t kExactChords = 6;
+static_assert(2 * kChordCounts[kExactChords] > kTaylorOrder);
 
 /// The weight and tau of a unit of length, or of a point; within the distance `clamp` it is
 /// another.
@@ -36,6 +45,22 @@ std::optional<FarLaw> law_of(const Kernel& kernel) {
   if (const auto* squared = std::get_if<Squared>(&kernel))
     return FarLaw{2.0, squared->amplitude, 0, squared->clamp};
   return std::nullopt;
+}
+
+/// Whether moments of the halves of a node are worth their memory.
+bool has_many(const SourceNode& node) {
+  return node.right != 0 && node.count + (kTriangleNodes - 1) * node.triangles > kFewestMoments;
+}
+
+/// The vertices so that the shortest edge comes first.
+void place(const Triangle& triangle, FarElement& element) {
+  const auto& v = triangle.vertex;
+  const auto edge2 = [&](std::size_t i) { return squared_norm(v[(i + 1) % 3] - v[i]); };
+  const std::array<double, 3> squared = {edge2(0), edge2(1), edge2(2)};
+  const auto shortest = std::min_element(squared.begin(), squared.end()) - squared.begin();
+  const auto i = static_cast<std::size_t>(shortest);
+  element.a = v[i], element.b = v[(i + 1) % 3], element.apex = v[(i + 2) % 3];
+  element.length = std::sqrt(*std::max_element(squared.begin(), squared.end()));
 }
 
 }  // namespace
@@ -57,6 +82,14 @@ std::optional<FarElement> far_element(const Term& term, std::uint32_t index) {
     element.length = std::get<SegmentFrame<double>>(term.frame).length;
     // Nodes stand for a segment from about its length on.
     if (!(element.length > 2 * law->clamp)) return std::nullopt;
+  } else if (const auto* triangle = std::get_if<Triangle>(&term.primitive)) {
+    const auto& frame = *std::get<std::shared_ptr<const TriangleFrame<double>>>(term.frame);
+    place(*triangle, element);
+    element.area = 0.5 * frame.edge[0].length * frame.height;
+    // So that rounding of the area is far below any budget.
+    if (!(element.length > 2 * law->clamp && element.length < kMostSlender * frame.height)) {
+      return std::nullopt;
+    }
   } else {
     return std::nullopt;
   }
@@ -65,12 +98,15 @@ std::optional<FarElement> far_element(const Term& term, std::uint32_t index) {
   element.term = index;
   // Products of powers of these stay finite.
   const auto moderate = [](double x) { return x < 1e30 && x > 1e-30; };
-  const double reach = std::max({norm(element.a), norm(element.b), 1e-20});
+  const double reach = std::max({norm(element.a), norm(element.b), norm(element.apex), 1e-20});
   if (!moderate(element.mass()) || !moderate(reach) || !(law->tau < 1e30)) return std::nullopt;
   return element;
 }
 
 double squared_distance(const FarElement& element, const Vec3d& p) {
+  if (element.is_triangle()) {
+    return squared_norm(p - nearest_point(Triangle{{element.a, element.b, element.apex}}, p));
+  }
   const Vec3d from_a = p - element.a;
   if (!(element.length > 0)) return squared_norm(from_a);
   const Vec3d axis = element.b - element.a;
@@ -94,7 +130,7 @@ std::size_t SourceTree::number_moments(std::uint32_t index, std::size_t first) {
   const SourceNode& node = nodes_[index];
   first_moments_[index] = first;
   first += node.tau_spread > 0 ? kTauOrders : 1;
-  if (node.count <= kFewestMoments) return first;
+  if (!has_many(node)) return first;
   return number_moments(node.right, number_moments(index + 1, first));
 }
 
@@ -114,6 +150,7 @@ std::uint32_t SourceTree::build(std::uint32_t first, std::uint32_t count) {
     node.heaviest = std::max(node.heaviest, element.mass());
     node.longest = std::max(node.longest, element.length);
     if (element.weight < 0) node.negative_mass += element.mass();
+    node.triangles += element.is_triangle() ? 1 : 0;
     node.least_tau = std::min(node.least_tau, element.tau);
     largest_tau = std::max(largest_tau, element.tau);
   }
@@ -142,7 +179,7 @@ void SourceTree::measure(std::uint32_t index) {
   const std::span<Series> moments(moments_.get() + first_moments_[index],
                                   node.tau_spread > 0 ? kTauOrders : 1);
   for (Series& series : moments) series.fill(0.0);
-  if (node.count <= kFewestMoments) {
+  if (!has_many(node)) {
     measure_leaf(node, moments);
   } else {
     if (node.count > kParallelSize) {
@@ -161,11 +198,19 @@ void SourceTree::measure_leaf(const SourceNode& node, std::span<Series> moments)
   const double per_spread = node.tau_spread > 0 ? 1 / node.tau_spread : 0.0;
   std::vector<MomentSource> points, segments;
   for (const FarElement& element : std::span(elements_).subspan(node.first, node.count)) {
-    const bool segment = element.length > 0;
-    (segment ? segments : points)
-        .push_back({inverse * (element.a - node.center), inverse * (element.b - node.center),
-                    element.weight * (segment ? element.length : 1.0),
-                    (element.tau - node.tau) * per_spread});
+    const double t = (element.tau - node.tau) * per_spread;
+    const auto add = [&](const Vec3d& a, const Vec3d& b, double weight) {
+      (element.length > 0 ? segments : points)
+          .push_back({inverse * (a - node.center), inverse * (b - node.center), weight, t});
+    };
+    if (!element.is_triangle()) {
+      add(element.a, element.b, element.weight * element.measure());
+      continue;
+    }
+    for (const Chord& chord : chord_rule(kExactChords)) {
+      const SegmentSource source = chord_source(element, chord);
+      add(source.middle - source.half, source.middle + source.half, source.weight);
+    }
   }
   const AddMoments add = bulk_table().add_moments;
   if (!points.empty()) add(points.data(), points.size(), false, moments.size(), moments.data());

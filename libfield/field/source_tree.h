@@ -1,5 +1,5 @@
-// The sources of a far field: points and segments of one kernel in a binary tree, each node with
-// what its elements are together when seen from afar.
+// The sources of a far field: points, segments and triangles of one kernel in a binary tree, each
+// node with what its elements are together when seen from afar.
 //
 // Legend: nu, tau as in taylor_series.h; the field of an element of weight w is
 // w int (|p - q|^2 + tau)^-nu dq, over the element or at its one point.
@@ -17,21 +17,30 @@
 
 namespace cs2mesh {
 
-/// A point (length 0) or a segment from `a` to `b`.
+/// A point (length 0), a segment from `a` to `b`, or (of some area) a triangle whose shortest edge
+/// is from `a` to `b`.
 struct FarElement {
   Vec3d a, b;
-  double length = 0.0;
+  Vec3d apex;           ///< of a triangle alone
+  double length = 0.0;  ///< of a triangle's longest edge
+  double area = 0.0;
   double weight = 0.0;  ///< signed
   double tau = 0.0;
   std::uint32_t term = 0;
 
   /// Of the absolute value.
-  double mass() const { return std::abs(weight) * (length > 0 ? length : 1.0); }
-  Vec3d middle() const { return 0.5 * (a + b); }
+  double mass() const { return std::abs(weight) * measure(); }
+  double measure() const { return is_triangle() ? area : length > 0 ? length : 1.0; }
+  bool is_triangle() const { return area > 0; }
+  Vec3d middle() const {
+    const Vec3d half = 0.5 * (a + b);
+    return is_triangle() ? half + (apex - half) / 3.0 : half;
+  }
   Aabb box() const {
     Aabb box;
     box.include(a);
     box.include(b);
+    if (is_triangle()) box.include(apex);
     return box;
   }
 };
@@ -39,13 +48,16 @@ struct FarElement {
 /// 2 nu of a kernel that reaches far as a power; none for the others.
 std::optional<double> far_exponent(const Kernel& kernel);
 
-/// The element of a term, if its kernel has a far exponent and it is a point or a segment of
-/// moderate numbers, without profile and transformation.
+/// The element of a term, if its kernel has a far exponent and it is a point, a segment or a
+/// triangle that is no sliver, of moderate numbers, without profile and transformation.
 std::optional<FarElement> far_element(const Term& term, std::uint32_t index);
 
 /// The squared distance from p to an element, within a few ulp of itself and of the element's
 /// squared length.
 double squared_distance(const FarElement& element, const Vec3d& p);
+
+/// A triangle takes about as long to sum as so many points or segments.
+inline constexpr std::uint32_t kTriangleWork = 4;
 
 struct SourceNode {
   Aabb box;
@@ -58,10 +70,15 @@ struct SourceNode {
   double tau = 0.0;                      ///< half way to the greatest
   double tau_spread = 0.0;               ///< the greatest distance from there
   std::uint32_t first = 0, count = 0;    ///< its elements
+  std::uint32_t triangles = 0;           ///< among them
   std::uint32_t right = 0;               ///< the child that is not the next node; 0 for a leaf
+
+  /// Its elements in units of one that is not a triangle.
+  std::uint32_t work() const { return count + (kTriangleWork - 1) * triangles; }
 };
 
-/// Immutable. Built in O(n log n); some 250 bytes an element, 500 where tau varies.
+/// Immutable. Built in O(n log n); some 250 bytes a point or segment, 800 a triangle, the double of
+/// that where tau varies.
 class SourceTree {
  public:
   SourceTree() = default;

@@ -16,6 +16,7 @@
 #include "libfield/integral/frames.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/integral/segment_sum.h"
+#include "libfield/integral/triangle_sum.h"
 #include "libfield/primitive/plane.h"
 #include "libfield/profile/profile.h"
 #include "libfield/simd/isa.h"
@@ -76,6 +77,8 @@ struct BulkTable {
   TriangleRow<double> triangle_values;
   AddSegments<Jet> segment_jets;
   AddSegments<double> segment_values;
+  AddTriangles<Jet> sum_triangle_jets;
+  AddTriangles<double> sum_triangle_values;
   ChooseFar choose_far;
   ChooseNodes choose_nodes;
   AddNodes add_nodes;
@@ -98,6 +101,14 @@ struct BulkTable {
       return segment_values;
     } else {
       return segment_jets;
+    }
+  }
+  template <class Out>
+  AddTriangles<Out> add_triangles() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return sum_triangle_values;
+    } else {
+      return sum_triangle_jets;
     }
   }
   template <class Out>

@@ -37,6 +37,10 @@ struct BulkPack {
     const Vec3<Pack<N>> a = cs2mesh::load<N>(points), b = cs2mesh::load<N>(points + N);
     return {{a.x, b.x}, {a.y, b.y}, {a.z, b.z}};
   }
+  static void add_to(const JetOf<Pack<N>>& jet, double* sums) {
+    cs2mesh::add_to<N>(jet.value, sums);
+  }
+  static void add_to(const JetOf<Pack<N>>& jet, Jet* sums) { cs2mesh::add_to<N>(jet, sums); }
   static void add_to(const JetOf<T>& jet, double* sums) {
     cs2mesh::add_to<N>(jet.value.first, sums);
     cs2mesh::add_to<N>(jet.value.second, sums + N);
@@ -52,29 +56,41 @@ struct BulkPack {
   static ArcFrame<T> in_lanes(const ArcFrame<double>& f) { return ArcFrame<T>(f); }
   static TaperedFrame<T> in_lanes(const TaperedFrame<double>& f) { return TaperedFrame<T>(f); }
 
-  /// Adds f(p) for each of the points. Flattened: no call remains that another unit could serve,
-  /// and nothing is computed for a gradient that is not asked for.
+  /// Adds f(p) for some points, no more than there are lanes. The last point stands in for those
+  /// that are missing. Flattened: no call remains that another unit could serve, and nothing is
+  /// computed for a gradient that is not asked for.
+  template <std::size_t Lanes, class Out, class Load, class Formula>
+  CS2MESH_FLATTEN static void add_some(const Vec3d* points, Out* sums, std::size_t count,
+                                       const Load& load_lanes, const Formula& formula) {
+    if (count == Lanes) return add_to(formula(load_lanes(points)), sums);
+    Vec3d padded[Lanes];
+    Out padded_sums[Lanes];
+    for (std::size_t k = 0; k < Lanes; ++k) padded[k] = points[k < count ? k : count - 1];
+    for (std::size_t k = 0; k < count; ++k) padded_sums[k] = sums[k];
+    add_to(formula(load_lanes(padded)), padded_sums);
+    for (std::size_t k = 0; k < count; ++k) sums[k] = padded_sums[k];
+  }
+
+  /// Adds f(p) for each of the points.
   template <class Out, class Formula>
   CS2MESH_FLATTEN static void add_each(const Vec3d* points, Out* sums, std::size_t count,
                                        const Formula& formula) {
-    // The last point stands in for those that a pack lacks.
-    Vec3d padded[kLanes];
-    Out padded_sums[kLanes];
     for (std::size_t i = 0; i < count; i += kLanes) {
       const std::size_t left = count - i;
-      const Vec3d* from = points + i;
-      Out* to = sums + i;
-      if (left < kLanes) {
-        for (std::size_t k = 0; k < kLanes; ++k) padded[k] = from[k < left ? k : left - 1];
-        from = padded;
-        for (std::size_t k = 0; k < left; ++k) padded_sums[k] = to[k];
-        to = padded_sums;
-      }
-      add_to(formula(load(from)), to);
-      if (left < kLanes) {
-        for (std::size_t k = 0; k < left; ++k) sums[i + k] = padded_sums[k];
-      }
+      add_some<kLanes>(points + i, sums + i, left < kLanes ? left : kLanes, load, formula);
     }
+  }
+
+  /// The same bits, by one pack instead of two where so few points are left: for formulas that take
+  /// long, and points that come a few at a time.
+  template <class Out, class Formula>
+  CS2MESH_FLATTEN static void add_few(const Vec3d* points, Out* sums, std::size_t count,
+                                      const Formula& formula) {
+    constexpr std::size_t kHalf = N;
+    const std::size_t rest = count % kLanes, wide = rest > kHalf ? count : count - rest;
+    add_each(points, sums, wide, formula);
+    if (wide == count) return;
+    add_some<kHalf>(points + wide, sums + wide, rest, cs2mesh::load<N>, formula);
   }
 
   template <class K, class F, class Out>
@@ -97,8 +113,8 @@ struct BulkPack {
   CS2MESH_FLATTEN static void add_as_nodes(const SegmentSource* sources, const std::uint32_t* index,
                                            std::size_t source_count, const Vec3d* points, Out* sums,
                                            std::size_t count) {
-    add_each(points, sums, count, [&](const Vec3<T>& p) {
-      return segment_sum<TwoNu, Nodes, T>(sources, index, source_count, p);
+    add_few(points, sums, count, [&]<class U>(const Vec3<U>& p) {
+      return segment_sum<TwoNu, Nodes, U>(sources, index, source_count, p);
     });
   }
   template <int TwoNu, class Out>
@@ -139,6 +155,14 @@ struct BulkPack {
       left += kLanes;
       return T(sign) * select(trial.good, trial.jet, JetOf<T>{});
     });
+  }
+
+  template <class Out>
+  CS2MESH_FLATTEN static void sum_triangles(const TriangleSource* sources,
+                                            const std::uint32_t* index, std::size_t source_count,
+                                            const Vec3d* points, Out* sums, std::size_t count) {
+    add_each(points, sums, count,
+             [&](const Vec3<T>& p) { return triangle_sum<T>(sources, index, source_count, p); });
   }
 
   /// Some segments, one number of all of them after the other: looked up well before they are
@@ -361,11 +385,11 @@ struct BulkPack {
   template <class Out>
   CS2MESH_FLATTEN static void add_series(const double* series, const Vec3d& center, double unit,
                                          const Vec3d* points, Out* sums, std::size_t count) {
-    const T inverse(1.0 / unit);
-    add_each(points, sums, count, [&](const Vec3<T>& p) {
-      const Vec3<T> x{(p.x - T(center.x)) * inverse, (p.y - T(center.y)) * inverse,
-                      (p.z - T(center.z)) * inverse};
-      JetOf<T> jet = series_jet(series, x);
+    add_few(points, sums, count, [&]<class U>(const Vec3<U>& p) {
+      const U inverse(1.0 / unit);
+      const Vec3<U> x{(p.x - U(center.x)) * inverse, (p.y - U(center.y)) * inverse,
+                      (p.z - U(center.z)) * inverse};
+      JetOf<U> jet = series_jet(series, x);
       jet.gradient = inverse * jet.gradient;
       return jet;
     });
@@ -421,11 +445,11 @@ struct BulkPack {
             &try_triangle<Squared, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),         row<double>(),         weights<Jet>(),   weights<double>(),
-            points<Jet>(),      points<double>(),      triangles<Jet>(), triangles<double>(),
-            &add_segments<Jet>, &add_segments<double>, &choose_far,      &choose_nodes,
-            &add_nodes,         &add_sources,          &add_moments,     &add_series<Jet>,
-            &add_series<double>};
+    return {row<Jet>(),         row<double>(),         weights<Jet>(),      weights<double>(),
+            points<Jet>(),      points<double>(),      triangles<Jet>(),    triangles<double>(),
+            &add_segments<Jet>, &add_segments<double>, &sum_triangles<Jet>, &sum_triangles<double>,
+            &choose_far,        &choose_nodes,         &add_nodes,          &add_sources,
+            &add_moments,       &add_series<Jet>,      &add_series<double>};
   }
 };
 

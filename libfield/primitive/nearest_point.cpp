@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace cs2mesh {
 
@@ -34,19 +35,30 @@ bool is_above(const Triangle& triangle, const Vec3d& p) {
          dot(cross(a - c, p - c), n) >= 0;
 }
 
-Segment nearest_edge(const Triangle& triangle, const Vec3d& p) {
+namespace {
+
+/// The edge whose nearest point is nearest, and that point.
+std::pair<Segment, Vec3d> nearest_on_edges(const Triangle& triangle, const Vec3d& p) {
   const auto& [a, b, c] = triangle.vertex;
   Segment best{a, b};
+  Vec3d point = nearest_point(best, p);
+  double least = squared_norm(point - p);
   for (const Segment& edge : {Segment{b, c}, Segment{c, a}}) {
-    if (squared_norm(nearest_point(edge, p) - p) < squared_norm(nearest_point(best, p) - p)) {
-      best = edge;
-    }
+    const Vec3d other = nearest_point(edge, p);
+    const double squared = squared_norm(other - p);
+    if (squared < least) best = edge, point = other, least = squared;
   }
-  return best;
+  return {best, point};
+}
+
+}  // namespace
+
+Segment nearest_edge(const Triangle& triangle, const Vec3d& p) {
+  return nearest_on_edges(triangle, p).first;
 }
 
 Vec3d nearest_point(const Triangle& triangle, const Vec3d& p) {
-  if (!is_above(triangle, p)) return nearest_point(nearest_edge(triangle, p), p);
+  if (!is_above(triangle, p)) return nearest_on_edges(triangle, p).second;
   const auto& [a, b, c] = triangle.vertex;
   const Vec3d n = cross(b - a, c - a);
   return p - (dot(p - a, n) / squared_norm(n)) * n;

@@ -4,6 +4,7 @@
     tests/oracle/integral_tables.py libfield/integral
 
 gauss_legendre_table.inc  nodes and weights of Gauss-Legendre rules of even order on [-1, 1];
+chord_table.inc           those of Gauss-Jacobi rules on [0, 1] for the weight 2u;
 erfcx_table.inc           powers of t of (1 + 2x) erfcx(x), t = (x - 3) / (x + 3), x >= 0;
 erfcx_first_table.inc     powers of t of (1 + x)^2 I1(x), the same t, and
 erfcx_second_table.inc    of (1 + x)^3 I2(x), Ik = int_0^inf u^k exp(-2 x u - u^2) du;
@@ -16,8 +17,8 @@ exp2_table.inc            powers of r of 2^r, |r| <= 1/2.
 """
 import sys
 
-from mpmath import (atan, cos, erf, erfc, exp, fac2, findroot, legendre, mp, mpf, nstr, pi, quad,
-                    sqrt)
+from mpmath import (atan, cos, erf, erfc, exp, fac2, findroot, jacobi, legendre, mp, mpf, nstr, pi,
+                    polyroots, quad, sqrt, taylor)
 
 mp.dps = 60
 HEAD = "// Written by tests/oracle/integral_tables.py.\n"
@@ -95,6 +96,14 @@ def legendre_rule(n):
     return rule
 
 
+def chord_rule(n):
+    polynomial = lambda k, u: jacobi(k, 0, 1, 2 * u - 1)
+    # The reciprocal of the sum of squares of the orthonormal polynomials.
+    weight = lambda u: 1 / sum((k + 1) * polynomial(k, u)**2 for k in range(n))
+    nodes = polyroots(taylor(lambda u: polynomial(n, u), 0, n)[::-1], maxsteps=200, extraprec=300)
+    return [(u, weight(u)) for u in sorted(nodes)]
+
+
 def write_list(path, numbers):
     with open(path, "w") as out:
         out.write(HEAD)
@@ -110,6 +119,11 @@ def main(folder):
             out.write(f"template <>\ninline constexpr {name} = {{\n")
             out.write("    {" + ",\n     ".join(literal(x) for x, _ in rule) + "},\n")
             out.write("    {" + ",\n     ".join(literal(w) for _, w in rule) + "}};\n")
+    with open(f"{folder}/chord_table.inc", "w") as out:
+        out.write(HEAD)
+        for n in (1, 2, 3, 4, 5, 6, 8, 10, 12):
+            lines = ["    {" + literal(u) + ", " + literal(w) + "}" for u, w in chord_rule(n)]
+            out.write(",\n".join(lines) + ",\n")
     scaled = lambda t: (lambda x: (1 + 2 * x) * erfcx(x))(3 * (1 + t) / (1 - t))
     write_list(f"{folder}/erfcx_table.inc", powers(chebyshev_coefficients(scaled, 25)))
     for k, name in ((1, "first"), (2, "second")):

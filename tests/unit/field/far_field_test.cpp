@@ -25,7 +25,13 @@ constexpr double kBudget = 1e-9;
 
 /// Bones in clumps, of differing widths, some of negative strength; kernels whose sum at a surface
 /// is of the order of 1.
-std::vector<Term> clumps(KernelKind kind, bool points, std::size_t count, std::uint64_t seed) {
+double strength_of(KernelKind kind) {
+  return kind == KernelKind::inverse ? 1e-4 : kind == KernelKind::squared ? 1e-3 : 4.0;
+}
+
+enum class Shape { point, segment, triangle };
+
+std::vector<Term> clumps(KernelKind kind, Shape shape, std::size_t count, std::uint64_t seed) {
   std::vector<Term> terms;
   for (std::size_t i = 0; i < count; ++i) {
     Random random(seed, i);
@@ -34,11 +40,14 @@ std::vector<Term> clumps(KernelKind kind, bool points, std::size_t count, std::u
                          Vec3d{random.uniform(), random.uniform(), random.uniform()};
     const double radius = random.uniform(0.02, 0.06);
     const Vec3d half = 0.1 * random.direction();
+    // Every fifth triangle is a needle or so.
+    const Vec3d side = (i % 5 == 0 ? 0.01 : 1.0) * 0.15 * random.direction();
     const Primitive primitive =
-        points ? Primitive(Point{middle}) : Primitive(Segment{middle - half, middle + half});
-    const double strength = kind == KernelKind::inverse   ? 1e-4
-                            : kind == KernelKind::squared ? 1e-3
-                                                          : 4.0;
+        shape == Shape::point ? Primitive(Point{middle})
+        : shape == Shape::segment
+            ? Primitive(Segment{middle - half, middle + half})
+            : Primitive(Triangle{{middle - half, middle + half, middle + side}});
+    const double strength = (shape == Shape::triangle ? 20 : 1) * strength_of(kind);
     Term term = plain_term(make_kernel(kind, 1 / radius, strength, 0.0, 1e-6 * radius), primitive);
     if (i % 7 == 0) term.sign = -1.0;
     terms.push_back(term);
@@ -57,16 +66,19 @@ std::vector<Vec3d> places(std::size_t count) {
 
 struct Case {
   KernelKind kind;
-  bool points;
+  Shape shape;
 };
-constexpr Case kCases[] = {{KernelKind::cauchy, false},  {KernelKind::cauchy, true},
-                           {KernelKind::inverse, false}, {KernelKind::inverse, true},
-                           {KernelKind::squared, false}, {KernelKind::squared, true}};
+constexpr Case kCases[] = {
+    {KernelKind::cauchy, Shape::segment},  {KernelKind::cauchy, Shape::point},
+    {KernelKind::cauchy, Shape::triangle}, {KernelKind::inverse, Shape::segment},
+    {KernelKind::inverse, Shape::point},   {KernelKind::inverse, Shape::triangle},
+    {KernelKind::squared, Shape::segment}, {KernelKind::squared, Shape::point},
+    {KernelKind::squared, Shape::triangle}};
 
 TEST(FarField, HasTheSecondDerivativeOfItsTerms) {
   const std::vector<Vec3d> points = places(40);
   for (const Case& c : kCases) {
-    const std::vector<Term> terms = clumps(c.kind, c.points, 600, 4);
+    const std::vector<Term> terms = clumps(c.kind, c.shape, 600, 4);
     const Field field(terms, kBudget);
     std::vector<Jet2> jets(points.size());
     field.second_jets(points, jets);
@@ -83,7 +95,7 @@ TEST(FarField, HasTheSecondDerivativeOfItsTerms) {
 TEST(FarField, KeepsTheErrorBudgetWithEveryInstructionSet) {
   const std::vector<Vec3d> points = places(150);
   for (const Case& c : kCases) {
-    const std::vector<Term> terms = clumps(c.kind, c.points, 1500, 4);
+    const std::vector<Term> terms = clumps(c.kind, c.shape, 1500, 4);
     testing::with_every_isa([&](Isa) {
       const Field field(terms, kBudget);
       std::vector<Jet> jets(points.size()), full(points.size());
@@ -105,7 +117,7 @@ TEST(FarField, KeepsTheErrorBudgetWithEveryInstructionSet) {
 }
 
 TEST(FarField, APointGetsTheSameBitsInAnyCompanyFromAnyThreadAndInRestrictions) {
-  const std::vector<Term> terms = clumps(KernelKind::cauchy, false, 1500, 4);
+  const std::vector<Term> terms = clumps(KernelKind::cauchy, Shape::segment, 1500, 4);
   const std::vector<Vec3d> points = places(300);
   const Field first(terms, kBudget), second(terms, kBudget);
   std::vector<double> values(points.size());
@@ -126,7 +138,7 @@ TEST(FarField, APointGetsTheSameBitsInAnyCompanyFromAnyThreadAndInRestrictions) 
 TEST(FarField, BoundsContainWhatIsSampled) {
   Random random(12);
   for (const Case& c : kCases) {
-    const Field field(clumps(c.kind, c.points, 800, 6), kBudget);
+    const Field field(clumps(c.kind, c.shape, 800, 6), kBudget);
     for (int i = 0; i < 40; ++i) {
       const double half = std::pow(10.0, random.uniform(-3.0, 0.5));
       const Vec3d center{random.uniform(-1, 10), random.uniform(-1, 10), random.uniform(-1, 10)};
@@ -156,7 +168,7 @@ TEST(FarField, BoundsContainWhatIsSampled) {
 }
 
 TEST(FarField, EnclosuresOfSmallBoxesAreTight) {
-  const Field field(clumps(KernelKind::cauchy, false, 1500, 4), kBudget);
+  const Field field(clumps(KernelKind::cauchy, Shape::segment, 1500, 4), kBudget);
   for (const Vec3d& p : places(20)) {
     const Aabb box{p - Vec3d{1e-3, 1e-3, 1e-3}, p + Vec3d{1e-3, 1e-3, 1e-3}};
     const double slope = norm(field.jet(p).gradient);
@@ -165,7 +177,7 @@ TEST(FarField, EnclosuresOfSmallBoxesAreTight) {
 }
 
 TEST(FarField, StandsBesideAPlane) {
-  std::vector<Term> terms = clumps(KernelKind::cauchy, false, 500, 4);
+  std::vector<Term> terms = clumps(KernelKind::cauchy, Shape::segment, 500, 4);
   terms.push_back(plain_term(Cauchy{4.0, 3.0}, Plane{{0, 0, -1}, {0, 0, 1}}));
   const Field field(terms, kBudget);
   const std::vector<Vec3d> points = places(60);
@@ -180,7 +192,7 @@ TEST(FarField, StandsBesideAPlane) {
 }
 
 TEST(FarField, SumsEveryElementFarOutside) {
-  const Field field(clumps(KernelKind::cauchy, false, 1500, 4), kBudget);
+  const Field field(clumps(KernelKind::cauchy, Shape::segment, 1500, 4), kBudget);
   for (const Vec3d& p : {Vec3d{1e3, 0, 0}, Vec3d{-40, 90, 7}, Vec3d{1e80, 0, 1e80}}) {
     Jet full;
     field.full_jets({&p, 1}, {&full, 1});

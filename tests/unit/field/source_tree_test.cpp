@@ -14,8 +14,9 @@
 namespace cs2mesh {
 namespace {
 
-/// Points and segments of both signs, from much shorter than a leaf to as long as the whole.
-std::vector<FarElement> mixed_elements(std::size_t count, bool same_tau) {
+/// Points, segments and, if wished, triangles of both signs, from much shorter than a leaf to as
+/// long as the whole.
+std::vector<FarElement> mixed_elements(std::size_t count, bool same_tau, bool triangles = false) {
   std::vector<FarElement> elements;
   for (std::uint32_t i = 0; i < count; ++i) {
     Random random(21, i);
@@ -25,6 +26,12 @@ std::vector<FarElement> mixed_elements(std::size_t count, bool same_tau) {
     if (i % 3 != 0) {
       element.length = std::pow(10.0, random.uniform(-3.0, 0.5));
       element.b = element.a + element.length * random.direction();
+    }
+    if (triangles && i % 3 == 1) {
+      const Vec3d across = cross(element.b - element.a, random.direction());
+      element.apex = element.b + across;
+      element.area = 0.5 * norm(cross(element.b - element.a, across));
+      element.length = norm(element.apex - element.a);
     }
     element.weight = random.uniform(-0.3, 1.0);
     element.tau = same_tau ? 0.5 : random.uniform(0.1, 0.9);
@@ -55,7 +62,15 @@ long double summed(const SourceTree& tree, const SourceNode& node, int j, const 
       sum += element.weight * part(node, element.a, t, j, k);
       continue;
     }
-    for (std::size_t i = 0; i < 16; ++i) {
+    for (std::size_t i = 0; i < 16 && element.is_triangle(); ++i) {
+      const Vec3d base = element.a + rule.node[i] * (element.b - element.a);
+      for (std::size_t m = 0; m < 16; ++m) {
+        const Vec3d place = element.apex + rule.node[m] * (base - element.apex);
+        sum += 2 * element.weight * element.area * rule.weight[i] * rule.weight[m] * rule.node[m] *
+               part(node, place, t, j, k);
+      }
+    }
+    for (std::size_t i = 0; i < 16 && !element.is_triangle(); ++i) {
       const Vec3d place = element.a + rule.node[i] * (element.b - element.a);
       sum += element.weight * element.length * rule.weight[i] * part(node, place, t, j, k);
     }
@@ -86,6 +101,16 @@ TEST(SourceTree, HasTheMomentsOfItsElementsInEveryNode) {
       EXPECT_FALSE(tree.has_moments(2));  // of a few elements
     }
   });
+}
+
+TEST(SourceTree, HasTheMomentsOfTriangles) {
+  for (const bool same_tau : {true, false}) {
+    const SourceTree tree(mixed_elements(90, same_tau, true));
+    ASSERT_NE(tree.node(0).right, 0U);
+    EXPECT_EQ(tree.node(0).triangles, 30U);
+    EXPECT_TRUE(tree.has_moments(1));  // of few elements that take long
+    for (const std::uint32_t index : {0U, 1U, tree.node(0).right}) expect_moments(tree, index);
+  }
 }
 
 TEST(SourceTree, OfPointsAloneOrSegmentsAloneHasTheirMoments) {
