@@ -150,7 +150,7 @@ class Adaptive : private Coarsener {
     // Kinks need smaller triangles than normals tell; improving makes up for it elsewhere. Where
     // triangles come to cross, others may not.
     constexpr double kCoarseAims[] = {0.5, 0.7};
-    constexpr double kWorthIt = 4.0;  // lattices take twice as many where it is not
+    constexpr double kWorthIt = 4.0;  // two balls alone take 2.7 times as many on a lattice
     const double needed = triangles_needed(dense, request_.tolerance);
     if (static_cast<double>(dense.triangles.size()) < kWorthIt * needed) return {{}, HUGE_VAL};
     const Result<PlacedMesh> placed =

@@ -34,8 +34,8 @@ struct BendMetric {
 BendMetric bend_metric(const Symmetric3& shape, const Vec3d& normal, double stretch);
 
 /// How many triangles it takes at least, or nearly, to stay within `tolerance` of the surface that
-/// `mesh` is on, with corners on it: by how the normals of its triangles turn. Finer meshes tell
-/// better; a mesh of the right number tells some two thirds of that. Scene units, > 0. O(n).
+/// `mesh` is on, with corners on it: by how the normals of its triangles turn, which is less than
+/// the surface does within one. Scene units, > 0. O(n).
 double triangles_needed(const TriangleMesh& mesh, double tolerance);
 
 }  // namespace cs2mesh
