@@ -72,8 +72,8 @@ struct NodeError {
 
 /// rho^-2 of a place at the distance `apart` from a segment of that half length, or farther.
 inline double node_ellipse(double half, double apart) {
-  return half / (apart + std::sqrt(half * half + apart * apart)) *
-         (half / (apart + std::sqrt(half * half + apart * apart)));
+  const double over_rho = half / (apart + std::sqrt(half * half + apart * apart));
+  return over_rho * over_rho;
 }
 
 /// rho^-2 of all places of a cube of that half edge, the least of them: r1 + r2 is convex, and so
