@@ -28,12 +28,12 @@ struct FarField::Cell {
   std::vector<std::uint32_t> nodes, elements;
   std::size_t listed = 0;  ///< elements in all of them, as SourceNode::work()
   // Of a leaf, the elements in them: those that are points, segments to be summed as so many nodes
-  // (an entry of kFarNodes), triangles' chords likewise, triangles whose closed form will do (by
-  // their numbers in triangles_), and what is near.
+  // (an entry of kFarNodes), triangles' chords likewise, segments and triangles whose closed form
+  // will do (the latter by their numbers in triangles_), and what is near.
   std::vector<std::uint32_t> points;
   std::array<std::vector<std::uint32_t>, kFarNodes.size()> segments;
   std::array<std::vector<FarChord>, kFarNodes.size()> chords;
-  std::vector<std::uint32_t> triangles, near;
+  std::vector<std::uint32_t> lines, triangles, near;
   mutable std::array<std::atomic<Cell*>, 8> children{};
 
   Cell() = default;
@@ -52,7 +52,7 @@ struct FarField::Cell {
   }
   /// Gives back what only a leaf needs.
   void forget_shares() {
-    points = {}, triangles = {}, near = {};
+    points = {}, lines = {}, triangles = {}, near = {};
     for (auto& some : segments) some = {};
     for (auto& some : chords) some = {};
   }

@@ -15,9 +15,10 @@ namespace cs2mesh {
 namespace {
 
 /// A cell whose list is no longer is a leaf: about as many as are summed in the time that finer
-/// cells would take to set up. No more of them may be near, which take ten times as long,
-/// nor triangles in packs, nor points, whose cells take less time to set up.
-constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostTriangles = 300, kMostPoints = 700;
+/// cells would take to set up. No more of them may be near, which take ten times as long, nor by
+/// closed forms in packs, nor points, whose cells take less time to set up.
+constexpr std::size_t kShortList = 900, kMostNear = 100, kMostLines = 150, kMostTriangles = 300,
+                      kMostPoints = 700;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
@@ -51,13 +52,13 @@ void FarField::make_sources(const Aabb& domain) {
   Aabb all = domain;
   const std::size_t count = tree_.elements().size();
   all.include(tree_.node(0).box);
-  const double reach = all.diagonal();
+  reach_ = all.diagonal();
   segments_.reserve(count);
   for (std::size_t i = 0; i < count; ++i) {
     const FarElement& element = tree_.elements()[i];
     const double weight = std::copysign(element.mass(), element.weight);
     segments_.push_back({element.middle(), 0.5 * (element.b - element.a), weight, element.tau});
-    if (element.is_triangle()) make_triangle(i, reach);
+    if (element.is_triangle()) make_triangle(i);
     if (element.length > 0) continue;
     points_.resize(count);
     const Term& term = (*terms_)[element.term];
@@ -65,12 +66,11 @@ void FarField::make_sources(const Aabb& domain) {
   }
 }
 
-/// `reach`: how far a place may be from it.
-void FarField::make_triangle(std::size_t element, double reach) {
+void FarField::make_triangle(std::size_t element) {
   constexpr double kGreatest = 1e18;
   const Term& term = (*terms_)[tree_.elements()[element].term];
   const auto* cauchy = std::get_if<Cauchy>(&term.kernel);
-  if (cauchy == nullptr || !(cauchy->s * reach < kGreatest)) return;
+  if (cauchy == nullptr || !(cauchy->s * reach_ < kGreatest)) return;
   const auto& frame = *std::get<std::shared_ptr<const TriangleFrame<double>>>(term.frame);
   triangle_number_.resize(tree_.elements().size());
   triangle_number_[element] = static_cast<std::uint32_t>(triangles_.size());
@@ -119,8 +119,9 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
       cell.level == kMostLevels - 1 || stuck || (cell.listed <= kLongestList && holds_few(cell));
   if (!cell.leaf && cell.listed > kShortList) return;
   sorter.finish(error_budget_ - greatest(cell.errors));
-  cell.leaf = cell.leaf || (cell.near.size() <= kMostNear && cell.points.size() <= kMostPoints &&
-                            cell.triangles.size() <= kMostTriangles);
+  cell.leaf =
+      cell.leaf || (cell.near.size() <= kMostNear && cell.lines.size() <= kMostLines &&
+                    cell.points.size() <= kMostPoints && cell.triangles.size() <= kMostTriangles);
   if (!cell.leaf) cell.forget_shares();
 }
 
@@ -211,6 +212,10 @@ void FarField::add_cell(const Cell* leaf, std::span<const Vec3d> points,
     chords.set(cell.chords[which], tree_.elements());
     add(chords.sources().data(), chords.all());
   }
+  if (!cell.lines.empty()) {
+    table.add_lines<Out>()(segments_.data(), cell.lines.data(), cell.lines.size(), points.data(),
+                           sums.data(), points.size());
+  }
   if (!cell.triangles.empty()) {
     table.add_triangles<Out>()(triangles_.data(), cell.triangles.data(), cell.triangles.size(),
                                points.data(), sums.data(), points.size());
@@ -249,18 +254,15 @@ void FarField::add_grouped(std::span<const Vec3d> points, std::span<Out> sums) c
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<std::uint32_t> order(points.size()), next(begin.begin(), begin.end() - 1);
   for (std::uint32_t i = 0; i < points.size(); ++i) order[next[number[i]]++] = i;
-  std::vector<Vec3d> gathered(points.size());
-  std::vector<Out> results(points.size());
-  for (std::size_t i = 0; i < order.size(); ++i) {
-    gathered[i] = points[order[i]];
-    results[i] = sums[order[i]];
-  }
+  std::vector<Vec3d> gathered;
+  std::vector<Out> results;
   for (std::size_t c = 0; c < cells.size(); ++c) {
-    const std::size_t first = begin[c], count = begin[c + 1] - first;
-    add_cell(cells[c], std::span<const Vec3d>(gathered).subspan(first, count),
-             std::span(results).subspan(first, count));
+    const std::span<const std::uint32_t> here(order.data() + begin[c], begin[c + 1] - begin[c]);
+    gathered.clear(), results.clear();
+    for (const std::uint32_t i : here) gathered.push_back(points[i]), results.push_back(sums[i]);
+    add_cell(cells[c], std::span<const Vec3d>(gathered), std::span(results));
+    for (std::size_t i = 0; i < here.size(); ++i) sums[here[i]] = results[i];
   }
-  for (std::size_t i = 0; i < order.size(); ++i) sums[order[i]] = results[i];
 }
 
 void FarField::add(std::span<const Vec3d> points, std::span<Jet> sums) const {

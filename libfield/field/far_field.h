@@ -4,7 +4,8 @@
 //
 // A cell of the octree holds the Taylor series about its centre of all that is far from it: what
 // its parent held, moved, and what has become far since. What is never far stays listed: within a
-// leaf an element of the list is summed exactly where it is near, else as a few weighted points
+// leaf an element of the list is summed by its closed form where it is near, in packs if what
+// rounding leaves open of that is known (line_sum.h, triangle_sum.h), else as a few weighted points
 // (Gauss-Legendre), a triangle chord by chord (far_chords.h). Every approximation carries a bound
 // of its error (far_reach.h, far_nodes.h, far_chords.h), and the bounds along the way from the root
 // to a leaf add up to at most the error budget.
@@ -88,7 +89,7 @@ class FarField {
                               std::span<SumBound> sums) const;
   void add_series(const Cell& cell, const BoxBatch& batch, std::span<SumBound> sums) const;
   void make_sources(const Aabb& domain);
-  void make_triangle(std::size_t element, double reach);
+  void make_triangle(std::size_t element);
   double rounding_of(std::uint32_t triangle) const;
   std::unique_ptr<Cell> make_root(const Aabb& domain) const;
   std::unique_ptr<Cell> make_child(const Cell& parent, int octant) const;
@@ -102,7 +103,8 @@ class FarField {
   const std::vector<Term>* terms_;
   std::size_t kernel_;  ///< as in KernelKind
   double error_budget_;
-  FarBounds law_;                                            ///< of single elements
+  double reach_ = 0.0;  ///< about how far a place may be from an element
+  FarBounds law_;       ///< of single elements
   std::array<double, kChordCounts.size()> chord_factors_{};  ///< chord_factor()
   std::vector<SegmentSource> segments_;                      ///< the elements, points among them
   std::vector<PointSource> points_;  ///< those that are points, by element; empty without any

@@ -27,6 +27,8 @@ constexpr int kMostNodes = 30;
 constexpr double kAlike = 1.0 / 10;
 /// So few elements that none of them reaches the cell are looked at again by its children.
 constexpr std::uint32_t kFewElements = 16;
+/// So many elements are sorted one by one at once.
+constexpr std::size_t kManyElements = 2048;
 
 /// c^2 of far_reach.h where nothing is moved, from 1 / S.
 double corner_share2(double reach, double over) {
@@ -66,7 +68,7 @@ void FarField::Sorter::sort_every(std::size_t step, const std::vector<std::uint3
                                   const std::vector<std::uint32_t>& elements, double each) {
   clear();
   for (std::size_t i = 0; i < nodes.size(); i += step) sort_node(nodes[i], each);
-  for (std::size_t i = 0; i < elements.size(); i += step) single_.push_back(elements[i]);
+  for (std::size_t i = 0; i < elements.size(); i += step) add_single(elements[i], each);
   sort_single(each);
 }
 
@@ -135,7 +137,7 @@ void FarField::Sorter::finish(double budget) {
   std::vector<std::uint32_t> all, segments, triangles;
   field_.visit_unresolved(cell_, [&](std::uint32_t element) { all.push_back(element); });
   std::sort(all.begin(), all.end());
-  cell_.points.clear(), cell_.near.clear();
+  cell_.points.clear(), cell_.near.clear(), cell_.lines.clear();
   for (const std::uint32_t element : all) {
     const FarElement& shape = field_.tree_.elements()[element];
     (shape.is_triangle() ? triangles
@@ -154,16 +156,34 @@ void FarField::Sorter::finish_segments(const std::vector<std::uint32_t>& segment
   std::vector<std::uint8_t> choices(segments.size());
   double most = budget * kLeafShare / static_cast<double>(segments.size());
   for (;;) {
-    const double error = bulk_table().choose_nodes(field_.law_, {cell_.center, cell_.half, most},
-                                                   field_.segments_.data(), segments.data(),
-                                                   segments.size(), choices.data());
+    double error = bulk_table().choose_nodes(field_.law_, {cell_.center, cell_.half, most},
+                                             field_.segments_.data(), segments.data(),
+                                             segments.size(), choices.data());
+    cell_.lines.clear(), cell_.near.clear();
+    for (std::size_t i = 0; i < segments.size(); ++i) {
+      if (choices[i] == 0) error += list_near(segments[i], most);
+    }
     if (error <= budget) break;
     most *= std::min(0.9, 0.85 * budget / error);
   }
   for (auto& some : cell_.segments) some.clear();
   for (std::size_t i = 0; i < segments.size(); ++i) {
-    (choices[i] > 0 ? cell_.segments[choices[i] - 1U] : cell_.near).push_back(segments[i]);
+    if (choices[i] > 0) cell_.segments[choices[i] - 1U].push_back(segments[i]);
   }
+}
+
+/// Lists a segment to be summed by its closed form, if what rounding leaves open of that is at most
+/// `each`, else exactly. Returns the error.
+double FarField::Sorter::list_near(std::uint32_t segment, double each) {
+  if (field_.two_nu_ == 4.0) {
+    const double rounding = line_rounding(field_.segments_[segment], field_.reach_);
+    if (rounding <= each) {
+      cell_.lines.push_back(segment);
+      return rounding;
+    }
+  }
+  cell_.near.push_back(segment);
+  return 0.0;
 }
 
 void FarField::Sorter::finish_triangles(const std::vector<std::uint32_t>& triangles,
@@ -206,7 +226,7 @@ void FarField::Sorter::sort_node(std::uint32_t index, double each) {
     sort_node(index + 1, each);
     sort_node(node.right, each);
   } else {
-    for (std::uint32_t i = 0; i < node.count; ++i) single_.push_back(node.first + i);
+    for (std::uint32_t i = 0; i < node.count; ++i) add_single(node.first + i, each);
   }
 }
 
@@ -322,7 +342,13 @@ double FarField::Sorter::spread_remainder(double q, double spread) const {
   return weight / (std::pow(nearest, nu + kTauOrders) * (1 - ratio)) * (1 + 1e-12);
 }
 
-/// Sorts the elements that are to be sorted one by one.
+/// Many are sorted at once, but no more than stay at hand.
+void FarField::Sorter::add_single(std::uint32_t element, double each) {
+  single_.push_back(element);
+  if (single_.size() == kManyElements) sort_single(each);
+}
+
+/// Sorts the elements that wait to be sorted one by one.
 void FarField::Sorter::sort_single(double each) {
   if (field_.tree_.node(0).triangles > 0) {
     const auto is_triangle = [&](std::uint32_t index) {
@@ -346,6 +372,7 @@ void FarField::Sorter::sort_single(double each) {
       taken_.push_back({single_[i], choices_[i]});
     }
   }
+  single_.clear();
 }
 
 void FarField::Sorter::sort_triangle(std::uint32_t index, double each) {

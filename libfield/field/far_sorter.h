@@ -45,6 +45,7 @@ class FarField::Sorter {
   bool take_cluster(std::uint32_t index, const Vec3d& d, double s, double q, double each);
   double corner_share(double reach, double s, double radius) const;
   double spread_remainder(double q, double spread) const;
+  void add_single(std::uint32_t element, double each);
   void sort_single(double each);
   /// An entry of kNodeRules, with a bound of the error that comes with it.
   struct Rule {
@@ -67,6 +68,7 @@ class FarField::Sorter {
   void sort_triangle(std::uint32_t index, double each);
   void take_triangle(std::uint32_t index, std::size_t order, const ChordChoice& choice);
   void finish_segments(const std::vector<std::uint32_t>& segments, double budget);
+  double list_near(std::uint32_t segment, double each);
   void finish_triangles(const std::vector<std::uint32_t>& triangles, double budget);
   double list_triangle(std::uint32_t index, double s, double each);
   void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
@@ -80,7 +82,7 @@ class FarField::Sorter {
   Cell& cell_;
   OctantErrors errors_{};
   std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
-  std::vector<std::uint32_t> single_;         ///< elements to be sorted one by one
+  std::vector<std::uint32_t> single_;         ///< elements that wait to be sorted one by one
   std::vector<FarChoice> choices_;            ///< of these
   std::vector<Taken> taken_, taken_chords_;
   std::vector<FarChord> chords_;  ///< of triangles that go into the series

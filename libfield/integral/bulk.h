@@ -14,6 +14,7 @@
 #include "libfield/integral/far_reach.h"
 #include "libfield/integral/far_sum.h"
 #include "libfield/integral/frames.h"
+#include "libfield/integral/line_sum.h"
 #include "libfield/integral/point_sum.h"
 #include "libfield/integral/segment_sum.h"
 #include "libfield/integral/triangle_sum.h"
@@ -77,6 +78,8 @@ struct BulkTable {
   TriangleRow<double> triangle_values;
   AddSegments<Jet> segment_jets;
   AddSegments<double> segment_values;
+  AddLines<Jet> line_jets;
+  AddLines<double> line_values;
   AddTriangles<Jet> sum_triangle_jets;
   AddTriangles<double> sum_triangle_values;
   ChooseFar choose_far;
@@ -101,6 +104,14 @@ struct BulkTable {
       return segment_values;
     } else {
       return segment_jets;
+    }
+  }
+  template <class Out>
+  AddLines<Out> add_lines() const {
+    if constexpr (std::is_same_v<Out, double>) {
+      return line_values;
+    } else {
+      return line_jets;
     }
   }
   template <class Out>

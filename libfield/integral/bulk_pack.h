@@ -158,6 +158,15 @@ struct BulkPack {
   }
 
   template <class Out>
+  CS2MESH_FLATTEN static void add_lines(const SegmentSource* sources, const std::uint32_t* index,
+                                        std::size_t source_count, const Vec3d* points, Out* sums,
+                                        std::size_t count) {
+    add_few(points, sums, count, [&]<class U>(const Vec3<U>& p) {
+      return line_sum<U>(sources, index, source_count, p);
+    });
+  }
+
+  template <class Out>
   CS2MESH_FLATTEN static void sum_triangles(const TriangleSource* sources,
                                             const std::uint32_t* index, std::size_t source_count,
                                             const Vec3d* points, Out* sums, std::size_t count) {
@@ -267,9 +276,9 @@ struct BulkPack {
                       unit * (P(frame.center.y) - fma(t, some.half.y, some.middle.y)),
                       unit * (P(frame.center.z) - fma(t, some.half.z, some.middle.z))};
       const P squared = fma(d.x, d.x, fma(d.y, d.y, d.z * d.z));
-      const P over = P(1) / fma(unit * unit, some.tau, squared);
+      const P s = fma(unit * unit, some.tau, squared), root = sqrt(max(squared, P(1e-280)));
+      const P both = P(1) / (s * root), over = both * root, apart = both * s;
       const P power = two_nu == 4.0 ? over * over : two_nu == 2.0 ? over : sqrt(over);
-      const P apart = P(1) / sqrt(max(squared, P(1e-280)));
       return FarPlaces<P>{{apart * d.x, apart * d.y, apart * d.z},
                           apart * squared * over,
                           over,
@@ -445,11 +454,12 @@ struct BulkPack {
             &try_triangle<Squared, Out>};
   }
   static consteval BulkTable table() {
-    return {row<Jet>(),         row<double>(),         weights<Jet>(),      weights<double>(),
-            points<Jet>(),      points<double>(),      triangles<Jet>(),    triangles<double>(),
-            &add_segments<Jet>, &add_segments<double>, &sum_triangles<Jet>, &sum_triangles<double>,
-            &choose_far,        &choose_nodes,         &add_nodes,          &add_sources,
-            &add_moments,       &add_series<Jet>,      &add_series<double>};
+    return {row<Jet>(),          row<double>(),          weights<Jet>(),   weights<double>(),
+            points<Jet>(),       points<double>(),       triangles<Jet>(), triangles<double>(),
+            &add_segments<Jet>,  &add_segments<double>,  &add_lines<Jet>,  &add_lines<double>,
+            &sum_triangles<Jet>, &sum_triangles<double>, &choose_far,      &choose_nodes,
+            &add_nodes,          &add_sources,           &add_moments,     &add_series<Jet>,
+            &add_series<double>};
   }
 };
 

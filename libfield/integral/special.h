@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace cs2mesh {
@@ -18,6 +19,21 @@ constexpr T polynomial(const std::array<double, N>& c, const T& z) {
     odd = odd * z2 + c[k - 1];
   }
   return even + odd * z;
+}
+
+/// The same by fused steps: fewer where the machine has them, slow where it has not.
+template <class T, std::size_t N>
+T fused_polynomial(const std::array<double, N>& c, const T& z) {
+  using std::fma;
+  static_assert(N % 2 == 0 && N >= 2);
+  const T z2 = z * z;
+  T even(c[N - 2]);
+  T odd(c[N - 1]);
+  for (std::size_t k = N - 2; k >= 2; k -= 2) {
+    even = fma(even, z2, T(c[k - 2]));
+    odd = fma(odd, z2, T(c[k - 1]));
+  }
+  return fma(odd, z, even);
 }
 
 namespace detail {

@@ -23,6 +23,7 @@
 
 #include "libfield/base/jet.h"
 #include "libfield/integral/frames.h"
+#include "libfield/integral/line_sum.h"
 #include "libfield/kernel/cauchy.h"
 #include "libfield/simd/vmath.h"
 
@@ -100,16 +101,15 @@ struct SumEdge {
 
 /// J1 and J2 of an edge, from 1 / P and 1 / (v1 v2).
 template <class T>
-struct SumLine {
-  T j1, j2;
-
-  SumLine(const SumEdge<T>& edge, const T& length, const T& over_p, const T& over_v) {
-    using std::fma;
-    const T angle = vmath::atan2(T(edge.root * length), T(edge.p + edge.product));
-    j1 = angle * (edge.root * over_p);
-    j2 = fma(T(length * (edge.p - edge.product)), over_v, j1) * (T(0.5) * over_p);
-  }
-};
+LineIntegrals<T> edge_integrals(const SumEdge<T>& edge, const T& length, const T& over_p,
+                                const T& over_v) {
+  return {edge.root,
+          over_p,
+          T(edge.root * length),
+          T(edge.p + edge.product),
+          T(1),
+          T(length * (edge.p - edge.product) * over_v)};
+}
 
 }  // namespace detail
 
@@ -118,7 +118,7 @@ struct SumLine {
 template <class T>
 JetOf<T> triangle_sum(const TriangleSource* sources, const std::uint32_t* index, std::size_t count,
                       const Vec3<T>& p) {
-  using detail::SumEdge, detail::SumLine, detail::SumVertex;
+  using detail::edge_integrals, detail::LineIntegrals, detail::SumEdge, detail::SumVertex;
   using std::fma;
   JetOf<T> sum{};
   for (std::size_t k = 0; k < count; ++k) {
@@ -135,9 +135,11 @@ JetOf<T> triangle_sum(const TriangleSource* sources, const std::uint32_t* index,
     const T p01 = e0.p * e1.p, p2q = e2.p * q, over_both = T(1) / (p01 * p2q);
     const T over01 = p2q * over_both, over2q = p01 * over_both, over_q = e2.p * over2q;
     const T over_v = T(1) / (v0.v * v1.v * v2.v);
-    const SumLine<T> l0(e0, T(source.length[0]), e1.p * over01, v2.v * over_v);
-    const SumLine<T> l1(e1, T(source.length[1]), e0.p * over01, v0.v * over_v);
-    const SumLine<T> l2(e2, T(source.length[2]), q * over2q, v1.v * over_v);
+    const LineIntegrals<T> l0 =
+        edge_integrals(e0, T(source.length[0]), e1.p * over01, v2.v * over_v);
+    const LineIntegrals<T> l1 =
+        edge_integrals(e1, T(source.length[1]), e0.p * over01, v0.v * over_v);
+    const LineIntegrals<T> l2 = edge_integrals(e2, T(source.length[2]), q * over2q, v1.v * over_v);
 
     const T value = fma(e0.e, l0.j1, fma(e1.e, l1.j1, T(e2.e * l2.j1)));
     sum.value = fma(T(source.weight) * over_q, value, sum.value);

@@ -34,6 +34,11 @@ inline constexpr std::array<double, 12> kArtanh = {1.0 / 3,  1.0 / 5,  1.0 / 7, 
 inline constexpr std::array<double, 14> kArctan = {
 #include "libfield/integral/arctan_table.inc"
 };
+/// And for |z| just above tan(pi / 8), where half of the angles are taken from pi / 4.
+inline constexpr std::array<double, 10> kShortArctan = {
+#include "libfield/integral/short_arctan_table.inc"
+};
+inline constexpr double kTanEighth = 0.41421356237309505;
 /// pi / 4 in two parts; products of the first with 2, 3, 4 are exact.
 inline constexpr double kQuarterPiHigh = 0x1.921fb54442d00p-1,
                         kQuarterPiLow = 0x1.8469898cc5170p-49;
@@ -181,6 +186,28 @@ T atan2(const T& y, const T& x) {
     using std::atan2;
     return atan2(y, x);
   }
+}
+
+/// The angle of (x, y) in [0, pi], y >= 0, by fused steps: half of the time of atan2, with an error
+/// of at most 6e-16; x and y finite and not both 0.
+template <class T>
+T upper_angle(const T& y, const T& x) {
+  using std::abs;
+  using std::fma;
+  using std::max;
+  using std::min;
+  const T ax = abs(x), least = min(ax, y), greatest = max(ax, y);
+  // As in atan2().
+  const auto middle = T(detail::kTanEighth) * greatest < least;
+  const T z =
+      select(middle, T(least - greatest), least) / select(middle, T(least + greatest), greatest);
+  const T w = z * z;
+  const T arctan = fma(T(z * w), fused_polynomial(detail::kShortArctan, w), z);
+  const auto steep = ax < y, left = x < T(0);
+  T base = select(middle, T(0.25 * std::numbers::pi), T(0));
+  base = select(steep, T(T(0.5 * std::numbers::pi) - base), base);
+  base = select(left, T(T(std::numbers::pi) - base), base);
+  return base + select(MaskOf<T>(steep ^ left), T(-arctan), arctan);
 }
 
 /// The greatest integer <= x; x itself from 2^51 on, where few fractions are left.

@@ -12,6 +12,7 @@ cauchy_tail_table.inc     powers of z of the integral of u^4 / (1 + y u^2)^3 ove
                           y = 0.245 (1 + z) in [0, 0.49];
 small_erf_table.inc       powers of w of erf(z) / z - 1, w = z^2 in [0, 1];
 arctan_table.inc          powers of w of (arctan(z) / z - 1) / w, w = z^2, 0 <= z <= 35/64;
+short_arctan_table.inc    the same for 0 <= w <= 0.1716;
 arc_rest_table.inc        powers of w of (atan x - x / (1 + x^2)) / (2 x^3), w = x^2 in [0, 1/4];
 exp2_table.inc            powers of r of 2^r, |r| <= 1/2.
 """
@@ -137,6 +138,7 @@ def main(folder):
     write_list(f"{folder}/small_erf_table.inc", powers_from_zero(small_erf, mpf(1), 13))
     arctan = lambda w: (atan(sqrt(w)) / sqrt(w) - 1) / w
     write_list(f"{folder}/arctan_table.inc", powers_from_zero(arctan, (mpf(35) / 64)**2, 13))
+    write_list(f"{folder}/short_arctan_table.inc", powers_from_zero(arctan, mpf("0.1716"), 9))
     write_list(f"{folder}/arc_rest_table.inc", powers_from_zero(arc_rest, mpf(1) / 4, 13))
     power_of_two = powers(chebyshev_coefficients(lambda t: mpf(2) ** (t / 2), 11))
     write_list(f"{folder}/exp2_table.inc", stretched(power_of_two, mpf(2), mpf(0)))

@@ -106,6 +106,25 @@ TEST(Vmath, Atan2IsWithinTwoUlpOverThePlane) {
   EXPECT_LE(worst, 2.0);
 }
 
+TEST(Vmath, UpperAngleKeepsWhatItPromises) {
+  Random random(3);
+  double worst = 0.0;
+  for (int i = 0; i < 100000; ++i) {
+    double y = random.uniform(), x = random.uniform(-1.0, 1.0);
+    if (i % 3 == 1) y *= std::pow(10.0, random.uniform(-30.0, 0.0));
+    if (i % 3 == 2) x *= std::pow(10.0, random.uniform(-30.0, 0.0));
+    const long double exact = std::atan2(static_cast<long double>(y), static_cast<long double>(x));
+    const double angle = vmath::upper_angle(Pair(y), Pair(x)).lane[0];
+    worst = std::max(worst, static_cast<double>(std::abs(angle - exact)));
+    if (x < 0) continue;
+    EXPECT_LE(ulps(angle, exact), 4.0) << y << " " << x;
+  }
+  EXPECT_LE(worst, 6e-16);
+  EXPECT_EQ(vmath::upper_angle(Pair(0.0), Pair(2.0)).lane[0], 0.0);
+  EXPECT_EQ(vmath::upper_angle(Pair(0.0), Pair(-2.0)).lane[0], std::numbers::pi);
+  EXPECT_EQ(vmath::upper_angle(Pair(3.0), Pair(0.0)).lane[0], std::numbers::pi / 2);
+}
+
 TEST(Vmath, Atan2OnTheAxes) {
   const double pi = std::numbers::pi;
   EXPECT_EQ(vmath::atan2(Pair(0.0), Pair(2.0)).lane[0], 0.0);
