@@ -78,6 +78,7 @@ void LatticeCells::classify(std::size_t index) {
     if (cell.ambiguous) add_split(index, offset, corners);
     block.triangles += cell.triangle_count;
   });
+  settle_faces(index);
   settle_centres(index);
 }
 
@@ -90,6 +91,43 @@ void LatticeCells::add_split(std::size_t index, int offset, unsigned inside) {
     split.centre += 0.125 * nodes_.position(node.block, node.offset);
   }
   blocks_[index].splits.push_back(split);
+}
+
+/// The middle of a face of a cell, to the bit the same for both cells at it: their corners come in
+/// one order.
+Vec3d LatticeCells::middle_of(std::size_t index, int offset, unsigned face) const {
+  Vec3d middle{};
+  const std::vector<int>& corners = cube_shape().faces[face];
+  for (int c = 0; c < 8; ++c) {
+    if (std::find(corners.begin(), corners.end(), c) == corners.end()) continue;
+    const NodeRef node = node_at(index, local_node(offset) + corner_step(c));
+    middle += 0.25 * nodes_.position(node.block, node.offset);
+  }
+  return middle;
+}
+
+/// Samples the middles of ambiguous faces, which tell what is joined across them.
+void LatticeCells::settle_faces(std::size_t index) {
+  std::vector<SplitCell>& splits = blocks_[index].splits;
+  std::vector<Vec3d> middles;
+  for (const SplitCell& split : splits) {
+    for (unsigned faces = ambiguous_faces(split.inside); faces != 0; faces &= faces - 1) {
+      const auto face = static_cast<unsigned>(std::countr_zero(faces));
+      middles.push_back(middle_of(index, split.offset, face));
+    }
+  }
+  if (middles.empty()) return;
+  std::vector<double> values(middles.size());
+  band_.surface(index).values(middles, values);
+  blocks_[index].values += middles.size();
+  auto value = values.begin();
+  for (SplitCell& split : splits) {
+    unsigned joined = ambiguous_faces(split.inside);
+    for (unsigned faces = joined; faces != 0; faces &= faces - 1) {
+      if (!(*value++ >= 0)) joined &= ~(1U << std::countr_zero(faces));
+    }
+    split.joined = static_cast<std::uint8_t>(joined);
+  }
 }
 
 /// Samples the centres, moves those near the surface, and numbers the vertices on their edges.
@@ -127,9 +165,10 @@ void LatticeCells::settle_centres(std::size_t index) {
     split.crossed = static_cast<std::uint8_t>(split.centre_inside() ? ~split.inside : split.inside);
     split.first = static_cast<std::uint32_t>(block.vertices);
     block.vertices += static_cast<std::size_t>(std::popcount(split.crossed));
-    for_each_piece(inside_of(split), [&](const CellCase& piece, const CellTable&, const SubCell&) {
-      block.triangles += piece.triangle_count;
-    });
+    for_each_piece(inside_of(split), split.joined,
+                   [&](const CellCase& piece, const CellTable&, const SubCell&) {
+                     block.triangles += piece.triangle_count;
+                   });
   }
 }
 
@@ -202,7 +241,7 @@ void LatticeCells::for_each_polygon(std::size_t index, F&& f) const {
            [&](int a, int b) { return lattice_edge_vertex(index, offset, a, b); });
       return;
     }
-    for_each_piece(inside_of(*split),
+    for_each_piece(inside_of(*split), split->joined,
                    [&](const CellCase& piece, const CellTable& table, const SubCell& sub) {
                      pass(offset, false, piece, table, [&](int a, int b) {
                        return split_edge_vertex(index, *split, sub.corner[a], sub.corner[b]);

@@ -24,6 +24,17 @@ struct Plateau {
   Aabb bounds() const { return cube(1); }
 };
 
+/// A wall along a diagonal of the lattice, less thick than a cell, or a slit, in a ball.
+struct Diagonal {
+  bool slit = false;
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    const T wall = T(0.0004) - square(p.x + p.y);
+    return smaller(slit ? T(-1.0) * wall : wall, ball(p, {}, 1.0));
+  }
+  Aabb bounds() const { return cube(1); }
+};
+
 double smallest_angle(const TriangleMesh& mesh) {
   double smallest = 180;
   for (const auto& t : mesh.triangles) {
@@ -78,6 +89,19 @@ TEST(LatticeMesher, TorusHasGenusOne) {
   const TriangleMesh mesh = mesh_and_check(Surface<Torus>{}, 0.05);
   EXPECT_EQ(check(mesh).genus, 1);
   EXPECT_NEAR(volume(mesh), 2 * kPi * kPi * 0.09, 0.02);
+}
+
+TEST(LatticeMesher, WallsAndSlitsAlongDiagonalsHaveNoHoles) {
+  // Every other edge of every face across z is in the wall; the middle of the face tells that they
+  // are of one.
+  for (const Vec3d& origin : {Vec3d{}, Vec3d{0.003, -0.002, 0.01}}) {
+    const MeshReport wall = check(mesh_and_check(Surface<Diagonal>{}, 0.05, origin));
+    EXPECT_EQ(wall.components, 1U);
+    EXPECT_EQ(wall.genus, 0);
+    const MeshReport slit = check(mesh_and_check(Surface<Diagonal>{Diagonal{true}}, 0.05, origin));
+    EXPECT_EQ(slit.components, 2U);
+    EXPECT_EQ(slit.genus, 0);
+  }
 }
 
 TEST(LatticeMesher, OtherShapes) {
