@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 #include "libfield/base/check.h"
+#include "polygonize/cell_connection.h"
 #include "polygonize/cell_table.h"
 #include "polygonize/ear_cutting.h"
 
@@ -37,6 +39,50 @@ void for_each_mixed_cell(const PaddedNodes& inside, F&& f) {
       }
     }
   }
+}
+
+/// Moves the centre of a split cell to the clearest of these places, of those on `side` if that is
+/// given; the first that is clear enough will do. Returns the number of jets.
+std::size_t move_centre(const ImplicitSurface& surface, double cell, std::span<const Vec3d> places,
+                        std::optional<bool> side, SplitCell& split) {
+  std::vector<Jet> jets(places.size());
+  surface.jets(places, jets);
+  for (std::size_t k = 0; k < places.size() && NodeMover::near(split.jet, cell); ++k) {
+    const bool right = !side || (jets[k].value >= 0) == *side;
+    if (!right || !(clearance(jets[k]) > clearance(split.jet))) continue;
+    split.centre = places[k];
+    split.jet = jets[k];
+  }
+  return places.size();
+}
+
+/// Puts the centre of a split cell, which is in its middle, on the side that hangs together in the
+/// cell, and clear of the surface. Returns the number of jets.
+std::size_t settle_centre(const ImplicitSurface& surface, double cell,
+                          const CellConnection& connection, SplitCell& split) {
+  constexpr std::size_t kMostPlaces = 8;
+  const Vec3d middle = split.centre;
+  std::size_t count = 0;
+  std::optional<bool> side;
+  if (connection.side) {
+    const std::size_t tried = std::min(kMostPlaces, connection.places.size());
+    split.jet = {};  // no place is less clear
+    count += move_centre(surface, cell, std::span(connection.places).first(tried), connection.side,
+                         split);
+    if (clearance(split.jet) > 0) side = connection.side;
+    if (!NodeMover::near(split.jet, cell)) return count;
+  }
+  const Jet jet = surface.jet(middle);
+  ++count;
+  if (!side) split.jet = jet;
+  if (!NodeMover::near(split.jet, cell)) return count;
+  // Around the middle, from where none of them comes near a face.
+  std::array<Vec3d, NodeMover::kTrials + 1> places;
+  places[0] = NodeMover::first_place(middle, jet, cell);
+  for (int k = 0; k < NodeMover::kTrials; ++k) {
+    places[static_cast<std::size_t>(k + 1)] = NodeMover::other_place(middle, jet, cell, k);
+  }
+  return count + move_centre(surface, cell, places, side, split);
 }
 
 /// The sides of a split cell's corners and of its centre.
@@ -78,7 +124,6 @@ void LatticeCells::classify(std::size_t index) {
     if (cell.ambiguous) add_split(index, offset, corners);
     block.triangles += cell.triangle_count;
   });
-  settle_faces(index);
   settle_centres(index);
 }
 
@@ -93,73 +138,21 @@ void LatticeCells::add_split(std::size_t index, int offset, unsigned inside) {
   blocks_[index].splits.push_back(split);
 }
 
-/// The middle of a face of a cell, to the bit the same for both cells at it: their corners come in
-/// one order.
-Vec3d LatticeCells::middle_of(std::size_t index, int offset, unsigned face) const {
-  Vec3d middle{};
-  const std::vector<int>& corners = cube_shape().faces[face];
-  for (int c = 0; c < 8; ++c) {
-    if (std::find(corners.begin(), corners.end(), c) == corners.end()) continue;
-    const NodeRef node = node_at(index, local_node(offset) + corner_step(c));
-    middle += 0.25 * nodes_.position(node.block, node.offset);
-  }
-  return middle;
-}
-
-/// Samples the middles of ambiguous faces, which tell what is joined across them.
-void LatticeCells::settle_faces(std::size_t index) {
-  std::vector<SplitCell>& splits = blocks_[index].splits;
-  std::vector<Vec3d> middles;
-  for (const SplitCell& split : splits) {
-    for (unsigned faces = ambiguous_faces(split.inside); faces != 0; faces &= faces - 1) {
-      const auto face = static_cast<unsigned>(std::countr_zero(faces));
-      middles.push_back(middle_of(index, split.offset, face));
-    }
-  }
-  if (middles.empty()) return;
-  std::vector<double> values(middles.size());
-  band_.surface(index).values(middles, values);
-  blocks_[index].values += middles.size();
-  auto value = values.begin();
-  for (SplitCell& split : splits) {
-    unsigned joined = ambiguous_faces(split.inside);
-    for (unsigned faces = joined; faces != 0; faces &= faces - 1) {
-      if (!(*value++ >= 0)) joined &= ~(1U << std::countr_zero(faces));
-    }
-    split.joined = static_cast<std::uint8_t>(joined);
-  }
-}
-
-/// Samples the centres, moves those near the surface, and numbers the vertices on their edges.
+/// Samples the cells with ambiguous faces, and finds a place in each that is clear of the surface.
 void LatticeCells::settle_centres(std::size_t index) {
   BlockCells& block = blocks_[index];
   if (block.splits.empty()) return;
   const ImplicitSurface& surface = band_.surface(index);
-  const double cell = band_.lattice().cell;
-  std::vector<Vec3d> points;
-  for (const SplitCell& split : block.splits) points.push_back(split.centre);
-  std::vector<Jet> jets(points.size());
-  surface.jets(points, jets);
-  block.jets += points.size();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    SplitCell& split = block.splits[i];
-    split.jet = jets[i];
-    if (!NodeMover::near(split.jet, cell)) continue;
-    std::array<Vec3d, NodeMover::kTrials + 1> places;
-    std::array<Jet, NodeMover::kTrials + 1> trials;
-    places[0] = NodeMover::first_place(split.centre, split.jet, cell);
-    for (int k = 0; k < NodeMover::kTrials; ++k) {
-      places[static_cast<std::size_t>(k + 1)] =
-          NodeMover::other_place(split.centre, split.jet, cell, k);
+  for (SplitCell& split : block.splits) {
+    std::array<Vec3d, 8> corners;
+    for (int c = 0; c < 8; ++c) {
+      const NodeRef node = node_at(index, local_node(split.offset) + corner_step(c));
+      corners[static_cast<std::size_t>(c)] = nodes_.position(node.block, node.offset);
     }
-    surface.jets(places, trials);
-    block.jets += places.size();
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      if (!(clearance(trials[k]) > clearance(split.jet))) continue;
-      split.centre = places[k];
-      split.jet = trials[k];
-      if (!NodeMover::near(split.jet, cell)) break;
-    }
+    const CellConnection connection = connect_cell(surface, corners, split.inside);
+    block.values += connection.values;
+    split.joined = connection.joined;
+    block.jets += settle_centre(surface, band_.lattice().cell, connection, split);
   }
   for (SplitCell& split : block.splits) {
     split.crossed = static_cast<std::uint8_t>(split.centre_inside() ? ~split.inside : split.inside);

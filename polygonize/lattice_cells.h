@@ -17,9 +17,9 @@ struct SplitCell {
   std::uint16_t offset = 0;  ///< of its lowest node
   std::uint8_t inside = 0;   ///< corner bits
   std::uint8_t crossed = 0;  ///< corners whose edge to the centre is crossed
-  std::uint8_t joined = 0;   ///< ambiguous faces with an inside centre, as split_cube() has them
+  std::uint8_t joined = 0;   ///< faces whose inside corners are joined, as split_cube() has them
   std::uint32_t first = 0;   ///< number in the block of the lowest crossed corner's vertex
-  Vec3d centre;
+  Vec3d centre;              ///< somewhere in the cell
   Jet jet;
 
   bool centre_inside() const { return jet.value >= 0; }
@@ -89,8 +89,6 @@ class LatticeCells {
   };
   NodeRef node_at(std::size_t block, const Int3& local) const;
   void add_split(std::size_t block, int offset, unsigned inside);
-  Vec3d middle_of(std::size_t block, int offset, unsigned face) const;
-  void settle_faces(std::size_t block);
   void settle_centres(std::size_t block);
   template <class F>
   void for_each_polygon(std::size_t block, F&& f) const;

@@ -35,6 +35,20 @@ struct Diagonal {
   Aabb bounds() const { return cube(1); }
 };
 
+/// Two rods along a diagonal of the lattice's faces, and a thin one between that touches neither.
+struct ThreeRods {
+  template <class T>
+  static T rod(const Vec3<T>& p, double at, double radius) {
+    return T(radius * radius) - square(p.x - T(at)) - square(p.y - T(at));
+  }
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    const T two = larger(rod(p, 0.0, 0.03), rod(p, 0.1, 0.03));
+    return smaller(larger(two, rod(p, 0.05, 0.01)), ball(p, {}, 1.0));
+  }
+  Aabb bounds() const { return cube(1); }
+};
+
 double smallest_angle(const TriangleMesh& mesh) {
   double smallest = 180;
   for (const auto& t : mesh.triangles) {
@@ -102,6 +116,12 @@ TEST(LatticeMesher, WallsAndSlitsAlongDiagonalsHaveNoHoles) {
     EXPECT_EQ(slit.components, 2U);
     EXPECT_EQ(slit.genus, 0);
   }
+}
+
+TEST(LatticeMesher, WhatLiesBetweenRodsDoesNotJoinThem) {
+  const MeshReport rods = check(mesh_and_check(Surface<ThreeRods>{}, 0.1));
+  EXPECT_EQ(rods.components, 2U);
+  EXPECT_EQ(rods.genus, 0);
 }
 
 TEST(LatticeMesher, OtherShapes) {
