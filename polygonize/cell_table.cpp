@@ -117,27 +117,46 @@ const CellTable& tetrahedron_table() {
   return table;
 }
 
-int split_cube(unsigned inside_corners, std::span<SubCell, 12> cells) {
-  const auto inside = [&](int corner) { return ((inside_corners >> corner) & 1U) != 0; };
+namespace {
+
+/// Whether the signs at the corners of a face are + - + -.
+bool alternates(const std::vector<int>& face, unsigned inside) {
+  const auto sign = [&](std::size_t i) { return (inside >> face[i]) & 1U; };
+  return sign(0) == sign(2) && sign(1) == sign(3) && sign(0) != sign(1);
+}
+
+}  // namespace
+
+unsigned ambiguous_faces(unsigned inside_corners) {
+  unsigned faces = 0;
+  for (std::size_t f = 0; f < 6; ++f) {
+    if (alternates(cube_shape().faces[f], inside_corners)) faces |= 1U << f;
+  }
+  return faces;
+}
+
+int split_cube(unsigned inside_corners, unsigned joined, std::span<SubCell, 12> cells) {
   const auto tetrahedron = [](int a, int b, int c) {
     return SubCell{{static_cast<std::uint8_t>(a), static_cast<std::uint8_t>(b),
                     static_cast<std::uint8_t>(c), kCentre, 0},
                    false};
   };
   std::size_t count = 0;
-  for (const std::vector<int>& f : cube_shape().faces) {
-    const bool ambiguous = inside(f[0]) == inside(f[2]) && inside(f[1]) == inside(f[3]) &&
-                           inside(f[0]) != inside(f[1]);
-    if (!ambiguous) {
+  for (std::size_t face = 0; face < 6; ++face) {
+    const std::vector<int>& f = cube_shape().faces[face];
+    if (!alternates(f, inside_corners)) {
       SubCell pyramid{{0, 0, 0, 0, kCentre}, true};
       for (std::size_t i = 0; i < 4; ++i) pyramid.corner[i] = static_cast<std::uint8_t>(f[i]);
       cells[count++] = pyramid;
-    } else if (inside(f[0])) {
-      cells[count++] = tetrahedron(f[0], f[1], f[3]);
-      cells[count++] = tetrahedron(f[1], f[2], f[3]);
-    } else {
+      continue;
+    }
+    const bool from_first = ((inside_corners >> f[0]) & 1U) == ((joined >> face) & 1U);
+    if (from_first) {
       cells[count++] = tetrahedron(f[0], f[1], f[2]);
       cells[count++] = tetrahedron(f[0], f[2], f[3]);
+    } else {
+      cells[count++] = tetrahedron(f[0], f[1], f[3]);
+      cells[count++] = tetrahedron(f[1], f[2], f[3]);
     }
   }
   return static_cast<int>(count);

@@ -63,17 +63,21 @@ struct SubCell {
 inline constexpr int kCentre = 8;
 
 /// The pyramids over the six faces of the cube with its centre as apex; a pyramid over an ambiguous
-/// face is cut into two tetrahedra along the diagonal between the face's outside corners. Both
-/// cubes at such a face choose the same diagonal, and no crossing lies on it. At most twelve cells;
-/// returns how many.
-int split_cube(unsigned inside_corners, std::span<SubCell, 12> cells);
+/// face is cut into two tetrahedra along a diagonal, on which no crossing lies: that between the
+/// face's inside corners where bit f of `joined` is set for face f of cube_shape(), that between
+/// its outside corners elsewhere. Both cubes at such a face have to choose the same. At most twelve
+/// cells; returns how many.
+int split_cube(unsigned inside_corners, unsigned joined, std::span<SubCell, 12> cells);
+
+/// The faces of a cube whose signs alternate, bit f for face f of cube_shape().
+unsigned ambiguous_faces(unsigned inside_corners);
 
 /// Calls f(case, table, cell) for each of those pieces; bit kCentre of `inside` is that of the
 /// centre.
 template <class F>
-void for_each_piece(unsigned inside, F&& f) {
+void for_each_piece(unsigned inside, unsigned joined, F&& f) {
   std::array<SubCell, 12> pieces;
-  const int count = split_cube(inside & 0xffU, pieces);
+  const int count = split_cube(inside & 0xffU, joined, pieces);
   for (std::size_t i = 0; i < static_cast<std::size_t>(count); ++i) {
     const SubCell& piece = pieces[i];
     const CellTable& table = piece.pyramid ? pyramid_table() : tetrahedron_table();

@@ -49,7 +49,7 @@ void DualSurface::add_plain(const DualCell& cell, const CellCase& cut) {
 }
 
 void DualSurface::add_split(const DualCell& cell, unsigned inside, Index middle) {
-  for_each_piece(inside, [&](const CellCase& cut, const CellTable& table, const SubCell& piece) {
+  for_each_piece(inside, 0, [&](const CellCase& cut, const CellTable& table, const SubCell& piece) {
     std::array<Index, 8> polygon;
     for (std::size_t c = 0; c < cut.cycle_count; ++c) {
       const CellCycle& cycle = cut.cycles[c];

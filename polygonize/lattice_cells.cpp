@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <bit>
+#include <optional>
 
 #include "libfield/base/check.h"
+#include "polygonize/cell_connection.h"
 #include "polygonize/cell_table.h"
 #include "polygonize/ear_cutting.h"
 
@@ -37,6 +39,50 @@ void for_each_mixed_cell(const PaddedNodes& inside, F&& f) {
       }
     }
   }
+}
+
+/// Moves the centre of a split cell to the clearest of these places, of those on `side` if that is
+/// given; the first that is clear enough will do. Returns the number of jets.
+std::size_t move_centre(const ImplicitSurface& surface, double cell, std::span<const Vec3d> places,
+                        std::optional<bool> side, SplitCell& split) {
+  std::vector<Jet> jets(places.size());
+  surface.jets(places, jets);
+  for (std::size_t k = 0; k < places.size() && NodeMover::near(split.jet, cell); ++k) {
+    const bool right = !side || (jets[k].value >= 0) == *side;
+    if (!right || !(clearance(jets[k]) > clearance(split.jet))) continue;
+    split.centre = places[k];
+    split.jet = jets[k];
+  }
+  return places.size();
+}
+
+/// Puts the centre of a split cell, which is in its middle, on the side that hangs together in the
+/// cell, and clear of the surface. Returns the number of jets.
+std::size_t settle_centre(const ImplicitSurface& surface, double cell,
+                          const CellConnection& connection, SplitCell& split) {
+  constexpr std::size_t kMostPlaces = 8;
+  const Vec3d middle = split.centre;
+  std::size_t count = 0;
+  std::optional<bool> side;
+  if (connection.side) {
+    const std::size_t tried = std::min(kMostPlaces, connection.places.size());
+    split.jet = {};  // no place is less clear
+    count += move_centre(surface, cell, std::span(connection.places).first(tried), connection.side,
+                         split);
+    if (clearance(split.jet) > 0) side = connection.side;
+    if (!NodeMover::near(split.jet, cell)) return count;
+  }
+  const Jet jet = surface.jet(middle);
+  ++count;
+  if (!side) split.jet = jet;
+  if (!NodeMover::near(split.jet, cell)) return count;
+  // Around the middle, from where none of them comes near a face.
+  std::array<Vec3d, NodeMover::kTrials + 1> places;
+  places[0] = NodeMover::first_place(middle, jet, cell);
+  for (int k = 0; k < NodeMover::kTrials; ++k) {
+    places[static_cast<std::size_t>(k + 1)] = NodeMover::other_place(middle, jet, cell, k);
+  }
+  return count + move_centre(surface, cell, places, side, split);
 }
 
 /// The sides of a split cell's corners and of its centre.
@@ -92,44 +138,30 @@ void LatticeCells::add_split(std::size_t index, int offset, unsigned inside) {
   blocks_[index].splits.push_back(split);
 }
 
-/// Samples the centres, moves those near the surface, and numbers the vertices on their edges.
+/// Samples the cells with ambiguous faces, and finds a place in each that is clear of the surface.
 void LatticeCells::settle_centres(std::size_t index) {
   BlockCells& block = blocks_[index];
   if (block.splits.empty()) return;
   const ImplicitSurface& surface = band_.surface(index);
-  const double cell = band_.lattice().cell;
-  std::vector<Vec3d> points;
-  for (const SplitCell& split : block.splits) points.push_back(split.centre);
-  std::vector<Jet> jets(points.size());
-  surface.jets(points, jets);
-  block.jets += points.size();
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    SplitCell& split = block.splits[i];
-    split.jet = jets[i];
-    if (!NodeMover::near(split.jet, cell)) continue;
-    std::array<Vec3d, NodeMover::kTrials + 1> places;
-    std::array<Jet, NodeMover::kTrials + 1> trials;
-    places[0] = NodeMover::first_place(split.centre, split.jet, cell);
-    for (int k = 0; k < NodeMover::kTrials; ++k) {
-      places[static_cast<std::size_t>(k + 1)] =
-          NodeMover::other_place(split.centre, split.jet, cell, k);
+  for (SplitCell& split : block.splits) {
+    std::array<Vec3d, 8> corners;
+    for (int c = 0; c < 8; ++c) {
+      const NodeRef node = node_at(index, local_node(split.offset) + corner_step(c));
+      corners[static_cast<std::size_t>(c)] = nodes_.position(node.block, node.offset);
     }
-    surface.jets(places, trials);
-    block.jets += places.size();
-    for (std::size_t k = 0; k < places.size(); ++k) {
-      if (!(clearance(trials[k]) > clearance(split.jet))) continue;
-      split.centre = places[k];
-      split.jet = trials[k];
-      if (!NodeMover::near(split.jet, cell)) break;
-    }
+    const CellConnection connection = connect_cell(surface, corners, split.inside);
+    block.values += connection.values;
+    split.joined = connection.joined;
+    block.jets += settle_centre(surface, band_.lattice().cell, connection, split);
   }
   for (SplitCell& split : block.splits) {
     split.crossed = static_cast<std::uint8_t>(split.centre_inside() ? ~split.inside : split.inside);
     split.first = static_cast<std::uint32_t>(block.vertices);
     block.vertices += static_cast<std::size_t>(std::popcount(split.crossed));
-    for_each_piece(inside_of(split), [&](const CellCase& piece, const CellTable&, const SubCell&) {
-      block.triangles += piece.triangle_count;
-    });
+    for_each_piece(inside_of(split), split.joined,
+                   [&](const CellCase& piece, const CellTable&, const SubCell&) {
+                     block.triangles += piece.triangle_count;
+                   });
   }
 }
 
@@ -202,7 +234,7 @@ void LatticeCells::for_each_polygon(std::size_t index, F&& f) const {
            [&](int a, int b) { return lattice_edge_vertex(index, offset, a, b); });
       return;
     }
-    for_each_piece(inside_of(*split),
+    for_each_piece(inside_of(*split), split->joined,
                    [&](const CellCase& piece, const CellTable& table, const SubCell& sub) {
                      pass(offset, false, piece, table, [&](int a, int b) {
                        return split_edge_vertex(index, *split, sub.corner[a], sub.corner[b]);

@@ -17,8 +17,9 @@ struct SplitCell {
   std::uint16_t offset = 0;  ///< of its lowest node
   std::uint8_t inside = 0;   ///< corner bits
   std::uint8_t crossed = 0;  ///< corners whose edge to the centre is crossed
+  std::uint8_t joined = 0;   ///< faces whose inside corners are joined, as split_cube() has them
   std::uint32_t first = 0;   ///< number in the block of the lowest crossed corner's vertex
-  Vec3d centre;
+  Vec3d centre;              ///< somewhere in the cell
   Jet jet;
 
   bool centre_inside() const { return jet.value >= 0; }
@@ -34,7 +35,8 @@ struct BlockCells {
   std::size_t triangles = 0;
   std::uint32_t first_vertex = 0;
   std::uint32_t first_triangle = 0;
-  std::size_t jets = 0;     ///< evaluations
+  std::size_t values = 0;   ///< evaluations, without gradients
+  std::size_t jets = 0;     ///< and with
   std::size_t clamped = 0;  ///< roots
 
   std::uint32_t edge_vertex(int axis, int offset) const {

@@ -77,6 +77,7 @@ Result<std::unique_ptr<LatticeCut>> cut_lattice(const ImplicitSurface& surface,
       blocks.size(), progress, [&](std::size_t b) { cells.place_vertices(b, cut->crossings); });
   if (!placed) return interrupted();
   for (const BlockCells& block : blocks) {
+    counts.value_evaluations += block.values;
     counts.gradient_evaluations += block.jets;
     counts.clamped_roots += block.clamped;
   }

@@ -2,10 +2,11 @@
 //
 // Cells of a cubical lattice are cut by the surface as their corner signs say (F >= 0 is inside). A
 // cube without an ambiguous face yields its cycles from a table; a cube with one is cut into
-// pyramids and tetrahedra around its centre (cell_table.h). Every vertex lies on one edge, and
-// every cell at that edge has exactly one cycle through it, so the mesh is closed, oriented and
-// 2-manifold for every pattern of signs. Nodes all but on the surface are moved first
-// (lattice_nodes.h), so that no vertex comes close to a node and no triangle degenerates.
+// pyramids and tetrahedra around its centre (cell_table.h), as what hangs together in it by a finer
+// grid of samples tells (cell_connection.h). Every vertex lies on one edge, and every cell at that
+// edge has exactly one cycle through it, so the mesh is closed, oriented and 2-manifold for every
+// pattern of signs. Nodes all but on the surface are moved first (lattice_nodes.h), so that no
+// vertex comes close to a node and no triangle degenerates.
 #pragma once
 
 #include <cstddef>

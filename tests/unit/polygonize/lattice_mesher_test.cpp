@@ -24,6 +24,31 @@ struct Plateau {
   Aabb bounds() const { return cube(1); }
 };
 
+/// A wall along a diagonal of the lattice, less thick than a cell, or a slit, in a ball.
+struct Diagonal {
+  bool slit = false;
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    const T wall = T(0.0004) - square(p.x + p.y);
+    return smaller(slit ? T(-1.0) * wall : wall, ball(p, {}, 1.0));
+  }
+  Aabb bounds() const { return cube(1); }
+};
+
+/// Two rods along a diagonal of the lattice's faces, and a thin one between that touches neither.
+struct ThreeRods {
+  template <class T>
+  static T rod(const Vec3<T>& p, double at, double radius) {
+    return T(radius * radius) - square(p.x - T(at)) - square(p.y - T(at));
+  }
+  template <class T>
+  T operator()(const Vec3<T>& p) const {
+    const T two = larger(rod(p, 0.0, 0.03), rod(p, 0.1, 0.03));
+    return smaller(larger(two, rod(p, 0.05, 0.01)), ball(p, {}, 1.0));
+  }
+  Aabb bounds() const { return cube(1); }
+};
+
 double smallest_angle(const TriangleMesh& mesh) {
   double smallest = 180;
   for (const auto& t : mesh.triangles) {
@@ -78,6 +103,25 @@ TEST(LatticeMesher, TorusHasGenusOne) {
   const TriangleMesh mesh = mesh_and_check(Surface<Torus>{}, 0.05);
   EXPECT_EQ(check(mesh).genus, 1);
   EXPECT_NEAR(volume(mesh), 2 * kPi * kPi * 0.09, 0.02);
+}
+
+TEST(LatticeMesher, WallsAndSlitsAlongDiagonalsHaveNoHoles) {
+  // Every other edge of every face across z is in the wall; the middle of the face tells that they
+  // are of one.
+  for (const Vec3d& origin : {Vec3d{}, Vec3d{0.003, -0.002, 0.01}}) {
+    const MeshReport wall = check(mesh_and_check(Surface<Diagonal>{}, 0.05, origin));
+    EXPECT_EQ(wall.components, 1U);
+    EXPECT_EQ(wall.genus, 0);
+    const MeshReport slit = check(mesh_and_check(Surface<Diagonal>{Diagonal{true}}, 0.05, origin));
+    EXPECT_EQ(slit.components, 2U);
+    EXPECT_EQ(slit.genus, 0);
+  }
+}
+
+TEST(LatticeMesher, WhatLiesBetweenRodsDoesNotJoinThem) {
+  const MeshReport rods = check(mesh_and_check(Surface<ThreeRods>{}, 0.1));
+  EXPECT_EQ(rods.components, 2U);
+  EXPECT_EQ(rods.genus, 0);
 }
 
 TEST(LatticeMesher, OtherShapes) {
