@@ -22,6 +22,8 @@ constexpr double kMostAtFirst = 0.7;
 /// Where that is not enough it is made thicker, and thinner where it ends beyond a gap, this often.
 constexpr int kChanges = 8;
 constexpr double kThicker = 1.5, kThinner = 0.5;
+/// Estimates of where the surface is over a point may be off by such a factor.
+constexpr double kNearer = 0.75;
 /// Of the tolerance, for the rounding of lengths.
 constexpr double kWhole = 1 - 1e-9;
 
@@ -39,6 +41,7 @@ double longest_side(const TriangleMesh& mesh, std::size_t triangle) {
 }  // namespace
 
 bool ShellCertifier::run(const TriangleMesh& mesh) {
+  if (progress_ != nullptr) progress_->report("certify", 0.0);
   take_over(mesh);
   if (!look_around()) return false;
   shape_shell();
@@ -119,6 +122,21 @@ std::vector<std::uint32_t> ShellCertifier::worth_cutting() const {
   }
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  return triangles;
+}
+
+std::vector<std::uint32_t> ShellCertifier::worth_cutting_flat() const {
+  std::vector<std::uint32_t> triangles = worth_cutting();
+  std::erase_if(triangles, [this](std::uint32_t t) {
+    const Look& look = records_[t].look;
+    if (!(std::max(look.outer, look.inner) < tolerance_)) return true;
+    double thickness = 0.0;
+    for (const Index v : triangles_[t])
+      thickness = std::max({thickness, shell_.outer[v], shell_.inner[v]});
+    if (look.width < thickness) return true;
+    return std::none_of(look.normals.begin() + 1, look.normals.end(),
+                        [&](const Vec3d& n) { return dot(n, look.normals[0]) > 0; });
+  });
   return triangles;
 }
 
@@ -306,9 +324,9 @@ bool ShellCertifier::adapt() {
       const Index v = triangles_[t][k];
       if (signs.outer) thicker[v] |= kOuter;
       if (signs.inner) thicker[v] |= kInner;
-      // The surface was not that far over the corner itself.
-      if (signs.wrong_outer[k] && look.height[k] < shell_.outer[v]) thinner[v] |= kOuter;
-      if (signs.wrong_inner[k] && -look.height[k] < shell_.inner[v]) thinner[v] |= kInner;
+      // The surface was by far not that far over the corner itself.
+      if (signs.wrong_outer[k] && look.height[k] < kNearer * shell_.outer[v]) thinner[v] |= kOuter;
+      if (signs.wrong_inner[k] && -look.height[k] < kNearer * shell_.inner[v]) thinner[v] |= kInner;
     }
   }
   const double most = kWhole * tolerance_;

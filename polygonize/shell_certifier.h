@@ -32,6 +32,9 @@ class ShellCertifier {
   /// Triangles that may help to prove what is in doubt for `distance` or `fold` if they are cut;
   /// sorted.
   std::vector<std::uint32_t> worth_cutting() const;
+  /// Those among them for which parts that lie in them may do: that seem to be near, and to face
+  /// the way the surface does, somewhere at least.
+  std::vector<std::uint32_t> worth_cutting_flat() const;
   /// Of the surface at the vertices, outwards; of length one, or zero where there is none.
   std::vector<Vec3d> normals() const;
   /// Whether the surface seems to be within the tolerance of a triangle, by seven points.
