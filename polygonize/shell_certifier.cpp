@@ -13,7 +13,7 @@ namespace cs2mesh {
 namespace {
 
 /// Triangles that share a restriction of the surface.
-constexpr std::size_t kChunk = 64;
+constexpr std::size_t kChunk = 8;
 /// The shell reaches beyond where the surface seems to be by these parts of that distance and of
 /// the tolerance: room for the bounds to show it.
 constexpr double kRoom = 0.2, kLeast = 0.03;

@@ -16,7 +16,7 @@ constexpr int kMostCuts = 4;
 /// Pieces of one triangle that are looked at in one round; with more to do it counts as not proven.
 constexpr std::size_t kMostPieces = 32;
 /// Pieces of a prism that are looked at to show that F grows in it.
-constexpr int kMostTries = 100;
+constexpr int kMostTries = 60;
 
 /// A triangle's prism or a part of it: the corners are those of the whole with weights.
 struct Piece {
@@ -24,12 +24,13 @@ struct Piece {
   Corners weights{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   double low = 0.0, high = 1.0;     ///< from where to where it reaches, inner to outer triangle
   bool outer = true, inner = true;  ///< the layers whose sign is not proven yet
+  int cuts = 0;                     ///< how often it was cut
+  HullBound bound{};                ///< of the signs, of it or of what it is a part of
   bool open() const { return outer || inner; }
 };
 
 struct Prism {
   Corners outer, inner;
-  HullBound bound;
 
   std::array<Vec3d, 6> corners() const {
     return {outer[0], outer[1], outer[2], inner[0], inner[1], inner[2]};
@@ -55,6 +56,7 @@ Piece quarter(const Piece& piece, std::size_t which) {
     middle[i] = 0.5 * (piece.weights[(i + 1) % 3] + piece.weights[(i + 2) % 3]);
   }
   Piece part = piece;
+  ++part.cuts;
   if (which == 3) {
     part.weights = middle;
   } else {
@@ -97,8 +99,7 @@ class Prover {
   std::vector<Finding> growth(Question question) {
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       int tries = kMostTries;
-      const std::vector<Vec3d> directions = directions_of(i, question);
-      if (grows_in({i}, directions, question, tries)) continue;
+      if (grows_in({i}, question, tries)) continue;
       findings_[i].doubt = doubt_of({i}, Doubt::fold);
     }
     return findings_;
@@ -134,12 +135,17 @@ class Prover {
     return prism;
   }
 
-  /// Inwards along the segments of a prism, and where that is asked for the normals of its layers.
-  std::vector<Vec3d> directions_of(std::size_t i, Question question) const {
+  /// Inwards along the segments of a piece, and where that is asked for the normals of the layers
+  /// of its prism. Between those at its corners lie the directions of all segments of the piece:
+  /// these are sums of the ways at its corners.
+  std::vector<Vec3d> directions_of(const Piece& piece, Question question) const {
+    const Whole& whole = wholes_[piece.triangle];
     std::vector<Vec3d> directions;
-    for (const auto v : mesh_.triangles[triangles_[i]]) directions.push_back(-shell_.direction[v]);
+    for (const Vec3d& weights : piece.weights) {
+      directions.push_back(normalized(mixed(whole.in, weights) - mixed(whole.out, weights)));
+    }
     if (question == Question::layers) {
-      for (const Vec3d& normal : layer_normals(mesh_, shell_, triangles_[i])) {
+      for (const Vec3d& normal : layer_normals(mesh_, shell_, triangles_[piece.triangle])) {
         directions.push_back(-normalized(normal));
       }
     }
@@ -157,13 +163,15 @@ class Prover {
     return part_->hull_bound(hull, {});
   }
 
+  /// What bounds a part bounds its parts: small ones gain little by bounds of their own.
   void look_at(std::vector<Piece>& pieces) {
+    constexpr int kMostBounded = 1;
     prisms_.clear();
     std::vector<Vec3d> inner, outer;
-    for (const Piece& piece : pieces) {
+    for (Piece& piece : pieces) {
       prisms_.push_back(prism_of(piece));
-      Prism& prism = prisms_.back();
-      prism.bound = bound_of(piece, prism);
+      const Prism& prism = prisms_.back();
+      if (piece.cuts <= kMostBounded) piece.bound = bound_of(piece, prism);
       if (piece.inner) inner.insert(inner.end(), prism.inner.begin(), prism.inner.end());
       if (piece.outer) outer.insert(outer.end(), prism.outer.begin(), prism.outer.end());
     }
@@ -191,7 +199,7 @@ class Prover {
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       Piece& piece = pieces[i];
       const Prism& prism = prisms_[i];
-      const HullBound& bound = prism.bound;
+      const HullBound& bound = piece.bound;
       if (piece.inner) {
         std::array<Tangent, 3> tangents;
         for (std::size_t k = 0; k < 3; ++k, ++jet) {
@@ -257,21 +265,21 @@ class Prover {
 
   // ---- Growth ----
 
-  bool grows_in(const Piece& piece, std::span<const Vec3d> directions, Question question,
-                int& tries) {
+  bool grows_in(const Piece& piece, Question question, int& tries) {
     if (--tries < 0) return false;
     const Prism prism = prism_of(piece);
+    const std::vector<Vec3d> directions = directions_of(piece, question);
     const std::array<Vec3d, 6> hull = prism.corners();
-    if (question == Question::crossings && grows_where_it_vanishes(hull, directions)) return true;
     ++counts_.bounds;
     const HullBound bound = part_->hull_bound(hull, directions);
     if (bound.slope > 0) return true;
-    if (question == Question::crossings && keeps_sign(hull, bound)) return true;
+    if (question == Question::crossings) {
+      if (keeps_sign(hull, bound) || grows_where_it_vanishes(hull, directions)) return true;
+    }
     if (!std::isfinite(bound.bend)) return false;
     const std::vector<Piece> parts = parts_of(piece, prism);
-    return std::all_of(parts.begin(), parts.end(), [&](const Piece& part) {
-      return grows_in(part, directions, question, tries);
-    });
+    return std::all_of(parts.begin(), parts.end(),
+                       [&](const Piece& part) { return grows_in(part, question, tries); });
   }
 
   bool grows_where_it_vanishes(const std::array<Vec3d, 6>& hull,
