@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "polygonize/place_order.h"
@@ -21,7 +22,7 @@ constexpr double kRoom = 0.2, kLeast = 0.03;
 constexpr double kMostAtFirst = 0.7;
 /// Where that is not enough it is made thicker, and thinner where it ends beyond a gap, this often.
 constexpr int kChanges = 8;
-constexpr double kThicker = 1.5, kThinner = 0.5;
+constexpr double kThicker = 1.5, kThinner = 0.5, kMuchRoom = 2.0;
 /// Estimates of where the surface is over a point may be off by such a factor.
 constexpr double kNearer = 0.75;
 /// Of the tolerance, for the rounding of lengths.
@@ -129,7 +130,7 @@ std::vector<std::uint32_t> ShellCertifier::worth_cutting_flat() const {
   std::vector<std::uint32_t> triangles = worth_cutting();
   std::erase_if(triangles, [this](std::uint32_t t) {
     const Look& look = records_[t].look;
-    if (!(std::max(look.outer, look.inner) < tolerance_)) return true;
+    if (!(kNearer * std::max(look.outer, look.inner) < tolerance_)) return true;
     double thickness = 0.0;
     for (const Index v : triangles_[t])
       thickness = std::max({thickness, shell_.outer[v], shell_.inner[v]});
@@ -293,6 +294,10 @@ void ShellCertifier::shape_shell() {
       }
     }
   }
+  at_first_.resize(vertices);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (fresh_[v] != 0) at_first_[v] = {shell_.outer[v], shell_.inner[v]};
+  }
 }
 
 bool ShellCertifier::prove_signs() {
@@ -322,8 +327,13 @@ bool ShellCertifier::adapt() {
     if (signs.doubt != Doubt::distance) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index v = triangles_[t][k];
-      if (signs.outer) thicker[v] |= kOuter;
-      if (signs.inner) thicker[v] |= kInner;
+      // Where corners have the right sign, what is asked for is room for the bounds alone.
+      const auto has_room = [&](const std::array<bool, 3>& wrong, double length, double at_first) {
+        return wrong == std::array<bool, 3>{} && length > kMuchRoom * at_first;
+      };
+      const auto& [outer, inner] = at_first_[v];
+      if (signs.outer && !has_room(signs.wrong_outer, shell_.outer[v], outer)) thicker[v] |= kOuter;
+      if (signs.inner && !has_room(signs.wrong_inner, shell_.inner[v], inner)) thicker[v] |= kInner;
       // The surface was by far not that far over the corner itself.
       if (signs.wrong_outer[k] && look.height[k] < kNearer * shell_.outer[v]) thinner[v] |= kOuter;
       if (signs.wrong_inner[k] && -look.height[k] < kNearer * shell_.inner[v]) thinner[v] |= kInner;
@@ -333,11 +343,12 @@ bool ShellCertifier::adapt() {
   std::vector<char> changed(thicker.size(), 0);
   bool any = false;
   for (std::size_t v = 0; v < changed.size(); ++v) {
-    for (const auto& [side, length] :
-         {std::pair(kOuter, &shell_.outer[v]), std::pair(kInner, &shell_.inner[v])}) {
+    for (const auto& [side, length, at_first] :
+         {std::tuple(kOuter, &shell_.outer[v], at_first_[v].first),
+          std::tuple(kInner, &shell_.inner[v], at_first_[v].second)}) {
       const double before = *length;
       if ((thinner[v] & side) != 0) {
-        *length *= kThinner;
+        *length = before > at_first ? at_first : kThinner * before;
         held_[v] |= side;
       } else if ((thicker[v] & side) != 0 && (held_[v] & side) == 0) {
         *length = std::max(before, std::min(kThicker * before, most));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "libfield/base/progress.h"
@@ -92,6 +93,7 @@ class ShellCertifier {
   std::vector<Record> records_;
   std::vector<char> fresh_;  ///< by vertex: it has a triangle that is new
   OffsetShell shell_;
+  std::vector<std::pair<double, double>> at_first_;  ///< outer and inner lengths of the shell
   std::vector<char> held_;  ///< by vertex: bits for sides that are to get no thicker
   ProverCounts counts_;
 };

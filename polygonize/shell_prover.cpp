@@ -163,15 +163,12 @@ class Prover {
     return part_->hull_bound(hull, {});
   }
 
-  /// What bounds a part bounds its parts: small ones gain little by bounds of their own.
   void look_at(std::vector<Piece>& pieces) {
-    constexpr int kMostBounded = 1;
     prisms_.clear();
     std::vector<Vec3d> inner, outer;
-    for (Piece& piece : pieces) {
+    for (const Piece& piece : pieces) {
       prisms_.push_back(prism_of(piece));
       const Prism& prism = prisms_.back();
-      if (piece.cuts <= kMostBounded) piece.bound = bound_of(piece, prism);
       if (piece.inner) inner.insert(inner.end(), prism.inner.begin(), prism.inner.end());
       if (piece.outer) outer.insert(outer.end(), prism.outer.begin(), prism.outer.end());
     }
@@ -192,31 +189,63 @@ class Prover {
     return values;
   }
 
+  /// F at the corners of a piece's layers, as far as they are open.
+  struct Seen {
+    std::array<Jet, 3> inner;
+    std::array<double, 3> outer;
+  };
+
   /// Where F is of the wrong sign at a corner of a layer, no cutting helps.
   void look_at_signs(std::vector<Piece>& pieces, std::span<const Jet> jets,
                      std::span<const double> values) {
     std::size_t jet = 0, value = 0;
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       Piece& piece = pieces[i];
-      const Prism& prism = prisms_[i];
-      const HullBound& bound = piece.bound;
-      if (piece.inner) {
-        std::array<Tangent, 3> tangents;
-        for (std::size_t k = 0; k < 3; ++k, ++jet) {
-          if (!(jets[jet].value > 0)) wrong(piece, k, false);
-          tangents[k] = {prism.inner[k], bound.low(jets[jet].value), bound.gradient(jets[jet])};
-        }
-        piece.inner = !(lowest_over(tangents, bound.bend) > 0);
+      Seen seen{};
+      for (std::size_t k = 0; piece.inner && k < 3; ++k) {
+        seen.inner[k] = jets[jet++];
+        if (!(seen.inner[k].value > 0)) wrong(piece, k, false);
       }
-      if (piece.outer) {
-        std::array<double, 3> high{};
-        for (std::size_t k = 0; k < 3; ++k, ++value) {
-          if (!(values[value] < 0)) wrong(piece, k, true);
-          high[k] = bound.high(values[value]);
-        }
-        piece.outer = !(highest_over(prism.outer, high, bound.bend) < 0);
+      for (std::size_t k = 0; piece.outer && k < 3; ++k) {
+        seen.outer[k] = values[value++];
+        if (!(seen.outer[k] < 0)) wrong(piece, k, true);
       }
+      if (findings_[piece.triangle].doubt != Doubt::distance) settle(piece, prisms_[i], seen);
     }
+  }
+
+  /// What bounds a piece bounds its parts, too. A bound of a part's own is asked for where that of
+  /// the whole would not do for parts of it either: those have a quarter of the bend.
+  void settle(Piece& piece, const Prism& prism, const Seen& seen) {
+    if (piece.cuts > 0) {
+      close_layers(piece, prism, seen);
+      const bool parts_may_do = (!piece.outer || is_outside(prism, seen, piece.bound, 0.25)) &&
+                                (!piece.inner || is_inside(prism, seen, piece.bound, 0.25));
+      if (parts_may_do) return;
+    }
+    piece.bound = bound_of(piece, prism);
+    close_layers(piece, prism, seen);
+  }
+
+  static void close_layers(Piece& piece, const Prism& prism, const Seen& seen) {
+    piece.outer = piece.outer && !is_outside(prism, seen, piece.bound, 1.0);
+    piece.inner = piece.inner && !is_inside(prism, seen, piece.bound, 1.0);
+  }
+
+  /// Whether the outer triangle is outside, if F bends by no more than that part of the bound.
+  static bool is_outside(const Prism& prism, const Seen& seen, const HullBound& bound,
+                         double part) {
+    std::array<double, 3> high{};
+    for (std::size_t k = 0; k < 3; ++k) high[k] = bound.high(seen.outer[k]);
+    return highest_over(prism.outer, high, part * bound.bend) < 0;
+  }
+  /// And the inner one inside.
+  static bool is_inside(const Prism& prism, const Seen& seen, const HullBound& bound, double part) {
+    std::array<Tangent, 3> tangents;
+    for (std::size_t k = 0; k < 3; ++k) {
+      tangents[k] = {prism.inner[k], bound.low(seen.inner[k].value), bound.gradient(seen.inner[k])};
+    }
+    return lowest_over(tangents, part * bound.bend) > 0;
   }
 
   void wrong(const Piece& piece, std::size_t corner, bool outer) {
