@@ -47,6 +47,11 @@ bool ShellCertifier::run(const TriangleMesh& mesh) {
   if (!look_around()) return false;
   shape_shell();
   if (!prove_signs()) return false;
+  for (Record& record : records_) {
+    if (record.has_crossings || !record.signs.grows) continue;
+    record.crossings = Doubt::none;
+    record.has_crossings = true;
+  }
   const auto is_near = [this](std::uint32_t t) {
     return records_[t].signs.doubt == Doubt::none && !records_[t].has_crossings;
   };
