@@ -54,8 +54,9 @@ HullBound Field::hull_bound(std::span<const Vec3d> points,
     list.push_back(static_cast<std::uint32_t>(i));
   }
   HullBound bound;
-  const bool in_exponent = std::all_of(
-      list.begin(), list.end(), [this](std::uint32_t i) { return has_log_hull(data_->terms[i]); });
+  const bool in_exponent = std::all_of(list.begin(), list.end(), [&](std::uint32_t i) {
+    return has_log_hull(data_->terms[i], box);
+  });
   if (in_exponent) {
     bound.in_exponent = true;
     LogHull hull(points, directions);

@@ -70,6 +70,13 @@ TEST(Certificate, ProvesASphere) {
   }
 }
 
+/// Whose field is cut off in its middle.
+TEST(Certificate, ProvesAStiffBall) {
+  const Field surface({ball({}, 1.0, 1000)}, 1e-9);
+  EXPECT_EQ(certified(surface, test::sphere_mesh(3), 1.0, 0.03).share(), 1.0);
+  EXPECT_EQ(certified(surface, test::bare_sphere({}, 1.05, 3), 1.0, 0.03).share(), 0.0);
+}
+
 TEST(Certificate, ProvesATorusOfAnyKernelWithoutAnEnd) {
   const Arc circle = make_arc({}, 1.0, {0, 0, 1}, 0, 360);
   for (const Kernel& kernel : {Kernel(Gaussian{6.0, 2.0}), Kernel(Cauchy{6.0, 20.0})}) {
