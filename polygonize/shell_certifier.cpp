@@ -18,9 +18,6 @@ constexpr std::size_t kChunk = 8;
 /// The shell reaches beyond where the surface seems to be by these parts of that distance and of
 /// the tolerance: room for the bounds to show it.
 constexpr double kRoom = 0.2, kLeast = 0.03;
-/// In tolerances, of a triangle. The bounds leave less open where triangles are smaller than that,
-/// as the square.
-constexpr double kUsualWidth = 8.0;
 /// At first not beyond this part of the tolerance: the estimate may be far too large.
 constexpr double kMostAtFirst = 0.7;
 /// Where that is not enough it is made thicker, and thinner where it ends beyond a gap, this often.
@@ -288,17 +285,16 @@ void ShellCertifier::shape_shell() {
   shell_.inner.resize(vertices);
   for (std::size_t v = 0; v < vertices; ++v) {
     if (fresh_[v] == 0) continue;
-    shell_.outer[v] = shell_.inner[v] = 0.0;
+    shell_.outer[v] = shell_.inner[v] = kLeast * tolerance_;
     held_[v] = 0;
   }
   for (std::size_t t = 0; t < records_.size(); ++t) {
     const Look& look = records_[t].look;
-    const double size = std::min(1.0, look.width / (kUsualWidth * tolerance_));
     for (const Index v : triangles_[t]) {
       if (fresh_[v] == 0) continue;
       for (const auto& [sag, length] :
            {std::pair(look.outer, &shell_.outer[v]), std::pair(look.inner, &shell_.inner[v])}) {
-        const double wanted = (1 + kRoom) * sag + kLeast * size * size * tolerance_;
+        const double wanted = (1 + kRoom) * sag + kLeast * tolerance_;
         *length = std::max(*length, std::min(wanted, kMostAtFirst * tolerance_));
       }
     }
