@@ -87,6 +87,15 @@ std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledSc
   return certificates;
 }
 
+double share_of_time(const std::vector<StageCost>& costs) {
+  double all = 0.0, proofs = 0.0;
+  for (const StageCost& cost : costs) {
+    all += cost.cpu_seconds;
+    if (cost.stage == "topology" || cost.stage == "certify") proofs += cost.cpu_seconds;
+  }
+  return all > 0 ? proofs / all : 0.0;
+}
+
 void add_certificates(Json& report, const std::vector<PartCertificate>& certificates) {
   constexpr std::size_t kMost = 1000;
   report["certified"] = share(certificates);

@@ -6,6 +6,7 @@
 
 #include "cli/mesh_parts.h"
 #include "polygonize/certificate.h"
+#include "polygonize/stage_log.h"
 
 namespace cs2mesh {
 
@@ -19,6 +20,10 @@ struct PartCertificate {
 /// more cells than there may be.
 std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
                                            const Fineness& fineness, bool refine, Console& console);
+
+/// The part of all processor time so far that proofs took, 0..1: their stages are `topology` and
+/// `certify`.
+double share_of_time(const std::vector<StageCost>& costs);
 
 /// Adds `certified`, the share of the area, `uncertified`, how many places there are of each
 /// reason, and to `listed` the first 1000 of them of each part.

@@ -2,6 +2,7 @@
 #include <new>
 #include <nlohmann/json.hpp>
 
+#include "cli/certify_parts.h"
 #include "cli/interrupt.h"
 #include "cli/load_scene.h"
 #include "cli/mesh_budget.h"
@@ -34,9 +35,11 @@ void add_plan(Json& report, const std::vector<PartLog>& plan) {
   report["parts"] = std::move(parts);
 }
 
-/// Seconds and evaluations, stage by stage and of F all together. Those of --verify are left out,
-/// as it asks the surface itself.
-void add_costs(Json& report, const Console& console) {
+/// Seconds and evaluations, stage by stage and of F all together, and the part of the processor
+/// time that certificates took. Those of --verify are left out, as it asks the surface itself.
+void add_costs(Json& report, const MeshRequest& request, const Console& console) {
+  if (request.wants_certificate())
+    report["certificate_time_share"] = share_of_time(console.stages().costs());
   report["evaluations"] = to_json(console.evaluations());
   report["stages"] = Json::array();
   for (const StageCost& cost : console.stages().costs()) {
@@ -53,7 +56,12 @@ std::string seconds_text(const Stopwatch& watch) {
 
 /// A line a level, the time with the first.
 void say(const std::vector<MeshLevel>& levels, const Stopwatch& watch, Console& console) {
-  console.say(summary(levels.front().checked) + ", " + seconds_text(watch));
+  std::string proofs;
+  if (!levels.front().certificates.empty()) {
+    proofs = printed(", %.0f %% of the processor time for proofs",
+                     100 * share_of_time(console.stages().costs()));
+  }
+  console.say(summary(levels.front().checked) + ", " + seconds_text(watch) + proofs);
   if (const auto cells = unresolved_cells(levels.front()); cells && *cells > 0) {
     console.say(std::to_string(*cells) + " cells may hide what is thinner than --min-feature");
   }
@@ -129,7 +137,7 @@ int mesh_scene(const MeshRequest& request, Console& console) {
 
   add_level(report, levels.front(), request);
   if (request.levels > 0) report["levels"] = levels_to_json(levels, request);
-  add_costs(report, console);
+  add_costs(report, request, console);
   add_run(report, watch, console);
   say(levels, watch, console);
   deliver(report, request.report, console);

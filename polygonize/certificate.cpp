@@ -6,11 +6,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "libfield/base/check.h"
 #include "polygonize/box_pairs.h"
 #include "polygonize/check.h"
+#include "polygonize/longest_edge_cuts.h"
 #include "polygonize/mesh_components.h"
 #include "polygonize/near_intersections.h"
 #include "polygonize/refine.h"
@@ -91,19 +94,26 @@ std::vector<Aabb> lost_regions(const TriangleMesh& mesh, const TopologyProof& to
   return lost;
 }
 
-void sum_up(const TriangleMesh& mesh, std::span<const Aabb> cells, Certificate& certificate) {
-  for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-    const double area = norm(area_vector(mesh, t));
+/// Adds up the area, and lists what of each triangle is in doubt.
+void sum_up(const FlatParts& parts, std::span<const Doubt> doubts, Certificate& certificate) {
+  const TriangleMesh& mesh = parts.mesh;
+  for (std::size_t i = 0; i < doubts.size(); ++i) {
+    const double area = norm(area_vector(mesh, i));
+    const std::uint32_t t = parts.whole[i];
     certificate.area += area;
-    if (certificate.doubts[t] == Doubt::none) {
+    if (doubts[i] == Doubt::none) {
       certificate.certified_area += area;
-    } else {
-      certificate.places.push_back(
-          {centroid(mesh, t), certificate.doubts[t], area, bounds(mesh, t)});
+      continue;
     }
-  }
-  for (const Aabb& cell : cells) {
-    certificate.places.push_back({cell.center(), Doubt::topology, 0.0, cell});
+    // Parts of a triangle come one after the other.
+    if (certificate.doubts[t] == Doubt::none) {
+      certificate.doubts[t] = doubts[i];
+      certificate.places.push_back({{}, doubts[i], 0.0, {}});
+    }
+    UncertifiedPlace& place = certificate.places.back();
+    place.area += area;
+    for (const auto v : mesh.triangles[i]) place.box.include(mesh.positions[v]);
+    place.position += (area / place.area) * (centroid(mesh, i) - place.position);
   }
 }
 
@@ -129,18 +139,30 @@ std::string_view name(Doubt doubt) {
 
 namespace {
 
-/// What is proven of the mesh that the certifier has looked at.
-Certificate certificate_of(const TriangleMesh& mesh, const ShellCertifier& certifier,
+/// What is known of a mesh by its triangles, or by parts of them that lie in them: these have
+/// shells of their own, which follow the surface more closely, and prove the same of the same set
+/// of points.
+struct Proof {
+  FlatParts parts;
+  ShellCertifier certifier;  ///< has looked at the parts
+};
+
+Certificate certificate_of(const TriangleMesh& mesh, const Proof& proof,
                            const TopologyProof& topology) {
   Certificate certificate;
-  certificate.doubts = certifier.doubts();
-  certificate.values = certifier.counts().values;
-  certificate.gradients = certifier.counts().gradients;
-  certificate.bounds = certifier.counts().bounds;
-  std::vector<Aabb> cells = lost_regions(mesh, topology, certifier.shell(), certificate.doubts);
-  const std::vector<Aabb> alone = doubt_topology(mesh, topology.open(), certificate.doubts);
+  certificate.values = proof.certifier.counts().values;
+  certificate.gradients = proof.certifier.counts().gradients;
+  certificate.bounds = proof.certifier.counts().bounds;
+  std::vector<Doubt> doubts = proof.certifier.doubts();
+  std::vector<Aabb> cells =
+      lost_regions(proof.parts.mesh, topology, proof.certifier.shell(), doubts);
+  const std::vector<Aabb> alone = doubt_topology(proof.parts.mesh, topology.open(), doubts);
   cells.insert(cells.end(), alone.begin(), alone.end());
-  sum_up(mesh, cells, certificate);
+  certificate.doubts.assign(mesh.triangles.size(), Doubt::none);
+  sum_up(proof.parts, doubts, certificate);
+  for (const Aabb& cell : cells) {
+    certificate.places.push_back({cell.center(), Doubt::topology, 0.0, cell});
+  }
   return certificate;
 }
 
@@ -154,6 +176,51 @@ double area_in_doubt(const TriangleMesh& mesh, const ShellCertifier& certifier) 
     }
   }
   return area;
+}
+double area_in_doubt(const Proof& proof) {
+  return area_in_doubt(proof.parts.mesh, proof.certifier);
+}
+
+/// A proof of a mesh that the certifier has looked at: what is in doubt is cut flat, as long as
+/// that helps. None if the user wants to stop.
+std::optional<Proof> prove_in_parts(const TriangleMesh& mesh, const ShellCertifier& certifier) {
+  constexpr int kMostRounds = 8, kPatience = 2;
+  constexpr double kWorthIt = 0.9;
+  constexpr std::size_t kMostGrowth = 4, kMore = 10'000;
+  const std::size_t most = kMostGrowth * mesh.triangles.size() + kMore;
+  Proof best{{mesh, {}}, certifier};
+  best.parts.whole.resize(mesh.triangles.size());
+  std::iota(best.parts.whole.begin(), best.parts.whole.end(), 0U);
+  Proof last = best;
+  double least = area_in_doubt(best);
+  int vain = 0;
+  for (int round = 0; round < kMostRounds && least > 0 && vain < kPatience; ++round) {
+    const std::vector<std::uint32_t> triangles = last.certifier.worth_cutting_flat();
+    if (triangles.empty()) break;
+    FlatParts parts = cut_flat(last.parts.mesh, triangles);
+    if (parts.mesh.triangles.size() > most) break;
+    for (std::uint32_t& t : parts.whole) t = last.parts.whole[t];
+    last.parts = std::move(parts);
+    if (!last.certifier.run(last.parts.mesh)) return std::nullopt;
+    ++vain;
+    const double left = area_in_doubt(last);
+    if (left > kWorthIt * least) continue;
+    best = last;
+    least = left;
+    vain = 0;
+  }
+  return best;
+}
+
+/// The triangles of whose parts some are worth cutting.
+std::vector<std::uint32_t> worth_cutting(const Proof& proof) {
+  std::vector<std::uint32_t> triangles;
+  for (const std::uint32_t i : proof.certifier.worth_cutting()) {
+    triangles.push_back(proof.parts.whole[i]);
+  }
+  std::sort(triangles.begin(), triangles.end());
+  triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  return triangles;
 }
 
 /// Cuts these triangles through the middle of their longest edges, and others as it takes.
@@ -252,6 +319,10 @@ TriangleMesh cut_without_crossing(const ImplicitSurface& surface, const Triangle
   return mesh;
 }
 
+Result<Certificate> interrupted() {
+  return error_at({}, "interrupted", Failure::interrupted);
+}
+
 }  // namespace
 
 Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& mesh,
@@ -259,8 +330,10 @@ Result<Certificate> certify(const ImplicitSurface& surface, const TriangleMesh& 
   require(options.tolerance > 0 && std::isfinite(options.tolerance),
           "certify: the tolerance must be positive");
   ShellCertifier certifier(surface, options.tolerance, options.progress);
-  if (!certifier.run(mesh)) return error_at({}, "interrupted", Failure::interrupted);
-  return certificate_of(mesh, certifier, topology);
+  if (!certifier.run(mesh)) return interrupted();
+  const std::optional<Proof> proof = prove_in_parts(mesh, certifier);
+  if (!proof) return interrupted();
+  return certificate_of(mesh, *proof, topology);
 }
 
 Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh& mesh,
@@ -273,32 +346,37 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
   constexpr double kWorthIt = 0.8, kMuch = 0.005;
   constexpr std::size_t kMostGrowth = 4;
   const std::size_t most_triangles = kMostGrowth * mesh.triangles.size();
-  ShellCertifier certifier(surface, options.tolerance, options.progress);
-  if (!certifier.run(mesh)) return error_at({}, "interrupted", Failure::interrupted);
-  flip_edges(mesh, certifier);
+  ShellCertifier further(surface, options.tolerance, options.progress);
+  if (!further.run(mesh)) return interrupted();
+  flip_edges(mesh, further);
+  std::optional<Proof> best = prove_in_parts(mesh, further);
+  if (!best) return interrupted();
   // Rounds that do not help are taken back.
   TriangleMesh finer = mesh;
-  ShellCertifier further = certifier;
+  Proof last = *best;
   const double much = kMuch * area(mesh);
-  double least = area_in_doubt(mesh, certifier);
+  double least = area_in_doubt(*best);
   int vain = 0;
   for (int round = 0; round < kMostRounds && least > 0; ++round) {
     if (vain == (least > much ? kPatience : 1)) break;
-    TriangleMesh next = cut_without_crossing(surface, finer, further.worth_cutting(), options);
+    TriangleMesh next = cut_without_crossing(surface, finer, worth_cutting(last), options);
     const std::size_t count = next.triangles.size();
     if (count == finer.triangles.size() || count > most_triangles) break;
     finer = std::move(next);
-    if (!further.run(finer)) return error_at({}, "interrupted", Failure::interrupted);
+    if (!further.run(finer)) return interrupted();
     flip_edges(finer, further);
+    std::optional<Proof> proof = prove_in_parts(finer, further);
+    if (!proof) return interrupted();
+    last = std::move(*proof);
     ++vain;
-    const double left = area_in_doubt(finer, further);
+    const double left = area_in_doubt(last);
     if (left > kWorthIt * least) continue;
     mesh = finer;
-    certifier = further;
+    best = last;
     least = left;
     vain = 0;
   }
-  return certificate_of(mesh, certifier, topology);
+  return certificate_of(mesh, *best, topology);
 }
 
 }  // namespace cs2mesh

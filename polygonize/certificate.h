@@ -13,6 +13,10 @@
 //     only where their outer sides face each other, and that is not so where both have -grad F on
 //     their outer side. The surface is a section of the shell, and the two are isotopic by moving
 //     along the segments.
+// Where that cannot be shown of a triangle, it is cut into parts that lie in it. They are the same
+// set of points, but each new vertex has a direction and lengths of its own, so that the shell
+// follows the surface more closely; what is proven of all parts is proven of the triangle.
+//
 // No surface crosses the shell's boundary, so a component of the surface lies in the shell or has
 // nothing to do with it. That there is none of the latter kind is for TopologyProof to say: space
 // has no more regions than the mesh parts it in, but perhaps for what is in open leaves.
@@ -48,13 +52,14 @@ std::string_view name(Doubt doubt);
 struct UncertifiedPlace {
   Vec3d position;
   Doubt doubt = Doubt::none;
-  double area = 0.0;  ///< of the mesh; 0 where it is a cell
-  Aabb box;           ///< of the triangle or the cell
+  double area = 0.0;  ///< of what is in doubt of the triangle; 0 where it is a cell
+  Aabb box;           ///< of that, or of the cell
 };
 
 struct Certificate {
-  double area = 0.0, certified_area = 0.0;  ///< of the mesh
-  /// For each triangle; those that reach into an open leaf of the topology are in doubt as well.
+  double area = 0.0, certified_area = 0.0;  ///< of the mesh; parts of triangles count
+  /// For each triangle, the first doubt of its parts; those that reach into an open leaf of the
+  /// topology are in doubt as well.
   std::vector<Doubt> doubts;
   /// First the triangles in doubt, by number; then cells, in regions that the mesh does not account
   /// for, and open leaves that no triangle reaches into.
@@ -75,7 +80,8 @@ struct CertifyOptions {
 /// cross itself (see check.h): that is taken for granted. Errors: Failure::interrupted. The same
 /// certificate for any number of threads. Some 20 to 60 values and 10 to 30 gradients a triangle of
 /// sums of Gaussians, of which 7 tell how thick the shell is to be; several times as many of other
-/// kernels over lengths.
+/// kernels over lengths. Parts are looked at anew as long as that leaves less area in doubt, at
+/// most four times as many as triangles and 10,000 more.
 ///
 /// Not promised: that what is in doubt is wrong. The proof is of the sum F itself, from which
 /// evaluations differ by rounding and the field's error budget; gradients are taken to be good to

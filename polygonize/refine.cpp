@@ -10,6 +10,7 @@
 #include "polygonize/far_triangles.h"
 #include "polygonize/fold.h"
 #include "polygonize/half_edges.h"
+#include "polygonize/longest_edge_cuts.h"
 #include "polygonize/near_proof.h"
 #include "polygonize/near_root.h"
 #include "polygonize/triangle_sample.h"
@@ -22,12 +23,7 @@ using Index = TriangleMesh::Index;
 /// The cosine between the normals of two triangles from which they count as folded onto each other.
 constexpr double kSharpest = -0.9;
 
-/// A triangle on its way to being split: corners, and the new vertex of each edge, or kNone.
-struct Piece {
-  std::array<Index, 3> corner;
-  std::array<Index, 3> middle;  ///< of the edge from corner k to corner k + 1
-};
-constexpr Index kNone = ~Index{0};
+constexpr Index kNone = LongestEdgeCuts::kNone;
 
 class Refiner {
  public:
@@ -63,11 +59,9 @@ class Refiner {
         statistics.first_unseen = kNone;
         return;
       }
-      opposite_ = opposite_half_edges(mesh_);
-      split_.assign(opposite_.size(), 0);
+      cuts_.emplace(mesh_);
       mark(far);
-      mark_longest_edges();
-      place_middles();
+      place_middles(cuts_->close());
       if (!divide()) {
         statistics.first_unseen = kNone;
         return;
@@ -78,13 +72,6 @@ class Refiner {
   }
 
   // ---- Where to split ----
-
-  /// Each edge goes by the lower of its half-edges.
-  HalfEdge edge_of(HalfEdge h) const { return std::min(h, opposite_[h]); }
-  Vec3d start(HalfEdge h) const { return mesh_.positions[start_of(mesh_, h)]; }
-  Vec3d end(HalfEdge h) const { return mesh_.positions[end_of(mesh_, h)]; }
-  Vec3d middle(HalfEdge h) const { return 0.5 * (start(h) + end(h)); }
-  double squared_length(HalfEdge h) const { return squared_norm(end(h) - start(h)); }
 
   /// Whether the triangle has to be nearer to the surface than others.
   bool is_close(std::size_t triangle) const {
@@ -103,16 +90,6 @@ class Refiner {
     const std::vector<LostPoint> more = far_triangles(surface_, mesh_, of_kind[1], closer);
     far.insert(far.end(), more.begin(), more.end());
     return far;
-  }
-
-  HalfEdge longest_edge(std::size_t triangle) const {
-    const auto h = static_cast<HalfEdge>(3 * triangle);
-    std::array<HalfEdge, 3> edges{edge_of(h), edge_of(h + 1), edge_of(h + 2)};
-    // Of equals the same one for both triangles beside it.
-    return *std::max_element(edges.begin(), edges.end(), [&](HalfEdge a, HalfEdge b) {
-      const double la = squared_length(a), lb = squared_length(b);
-      return la != lb ? la < lb : a < b;
-    });
   }
 
   std::vector<std::size_t> triangles_to_look_at() const {
@@ -145,7 +122,7 @@ class Refiner {
   /// Marks the longest edge of each.
   void mark(std::span<const LostPoint> far) {
     for (const LostPoint& lost : far) {
-      split_[longest_edge(lost.triangle)] = 1;
+      cuts_->mark(cuts_->longest_edge(lost.triangle));
       far_.emplace_back(mesh_.triangles[lost.triangle], lost);
     }
   }
@@ -166,36 +143,13 @@ class Refiner {
     }
   }
 
-  /// Marks the longest edge of each triangle that has a marked one, and so on.
-  void mark_longest_edges() {
-    std::vector<HalfEdge> open;
-    for (HalfEdge h = 0; h < split_.size(); ++h) {
-      if (split_[h] != 0) open.push_back(h);
-    }
-    while (!open.empty()) {
-      const HalfEdge h = open.back();
-      open.pop_back();
-      for (const HalfEdge side : {h, opposite_[h]}) {
-        const HalfEdge longest = longest_edge(triangle_of(side));
-        if (split_[longest] != 0) continue;
-        split_[longest] = 1;
-        open.push_back(longest);
-      }
-    }
-  }
-
   // ---- Where to ----
 
   /// Gives each marked edge a new vertex on the surface: up or down the gradient from its middle,
   /// or, where that would fold the mesh, along the mesh's own normal. Edges for which neither will
   /// do are kept.
-  void place_middles() {
-    middle_of_.assign(opposite_.size(), kNone);
+  void place_middles(const std::vector<HalfEdge>& edges) {
     first_new_ = static_cast<Index>(mesh_.positions.size());
-    std::vector<HalfEdge> edges;
-    for (HalfEdge h = 0; h < split_.size(); ++h) {
-      if (split_[h] != 0) edges.push_back(h);
-    }
     place(edges, [](HalfEdge, const Jet& jet) { return jet.gradient; });
     const std::vector<HalfEdge> folded = take_back_folded();
     place(folded, [this](HalfEdge h, const Jet&) { return normal_at(h); });
@@ -206,7 +160,7 @@ class Refiner {
   /// The sum of the normals of the triangles at an edge, not normalised.
   Vec3d normal_at(HalfEdge h) const {
     return normal(mesh_.triangles[triangle_of(h)]) +
-           normal(mesh_.triangles[triangle_of(opposite_[h])]);
+           normal(mesh_.triangles[triangle_of(cuts_->opposite(h))]);
   }
 
   /// Appends a vertex for each of the edges from whose middle a line leads to the surface.
@@ -215,13 +169,13 @@ class Refiner {
     std::vector<std::optional<Vec3d>> places(edges.size());
     for_each_neighbourhood(edges.size(), [&](std::size_t first, std::size_t last) {
       std::vector<Vec3d> middles;
-      for (std::size_t i = first; i < last; ++i) middles.push_back(middle(edges[i]));
+      for (std::size_t i = first; i < last; ++i) middles.push_back(cuts_->middle(edges[i]));
       const std::vector<Jet> jets = jets_at_neighbours(surface_, middles);
       std::vector<RootQuery> queries;
       for (std::size_t i = first; i < last; ++i) {
         const Jet& jet = jets[i - first];
         const Vec3d direction = direction_of(edges[i], jet);
-        const double limit = std::sqrt(squared_length(edges[i]));
+        const double limit = std::sqrt(cuts_->squared_length(edges[i]));
         queries.push_back({middles[i - first], direction / norm(direction),
                            first_order_distance(jet, limit), limit});
       }
@@ -232,7 +186,7 @@ class Refiner {
         ++statistics.kept;
         continue;
       }
-      middle_of_[edges[i]] = static_cast<Index>(mesh_.positions.size());
+      cuts_->middle_of[edges[i]] = static_cast<Index>(mesh_.positions.size());
       mesh_.positions.push_back(*places[i]);
     }
   }
@@ -244,9 +198,9 @@ class Refiner {
     for (;;) {
       std::vector<char> blamed(mesh_.positions.size() - first_new_, 0);
       if (!blame_folds(blamed)) return back;
-      for (HalfEdge h = 0; h < middle_of_.size(); ++h) {
-        if (middle_of_[h] == kNone || blamed[middle_of_[h] - first_new_] == 0) continue;
-        middle_of_[h] = kNone;
+      for (HalfEdge h = 0; h < cuts_->middle_of.size(); ++h) {
+        if (cuts_->middle_of[h] == kNone || blamed[cuts_->middle_of[h] - first_new_] == 0) continue;
+        cuts_->middle_of[h] = kNone;
         back.push_back(h);
       }
     }
@@ -257,7 +211,7 @@ class Refiner {
   bool blame_folds(std::vector<char>& blamed) const {
     TriangleMesh divided;
     divided.positions = mesh_.positions;
-    divided.triangles = parts();
+    divided.triangles = cuts_->parts();
     const std::vector<HalfEdge> opposite = opposite_half_edges(divided);
     bool any = false;
     for (HalfEdge h = 0; h < opposite.size(); ++h) {
@@ -284,22 +238,13 @@ class Refiner {
   void close_gaps(const std::vector<HalfEdge>& edges) {
     std::vector<Vec3d> placed;
     for (const HalfEdge h : edges) {
-      if (middle_of_[h] == kNone) continue;
-      const Vec3d place = mesh_.positions[middle_of_[h]];
-      middle_of_[h] = first_new_ + static_cast<Index>(placed.size());
+      if (cuts_->middle_of[h] == kNone) continue;
+      const Vec3d place = mesh_.positions[cuts_->middle_of[h]];
+      cuts_->middle_of[h] = first_new_ + static_cast<Index>(placed.size());
       placed.push_back(place);
     }
     mesh_.positions.resize(first_new_);
     mesh_.positions.insert(mesh_.positions.end(), placed.begin(), placed.end());
-  }
-
-  Piece whole(std::size_t t) const {
-    Piece piece;
-    piece.corner = mesh_.triangles[t];
-    for (std::size_t k = 0; k < 3; ++k) {
-      piece.middle[k] = middle_of_[edge_of(static_cast<HalfEdge>(3 * t + k))];
-    }
-    return piece;
   }
 
   TriangleCorners corners(const std::array<Index, 3>& t) const {
@@ -312,42 +257,11 @@ class Refiner {
 
   // ---- Splitting ----
 
-  /// Cuts a triangle through the middle of its longest marked edge, and the parts likewise.
-  template <class F>
-  void for_each_part(const Piece& piece, const F& f) const {
-    std::size_t longest = 3;
-    double length = -1;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (piece.middle[k] == kNone) continue;
-      const double squared = squared_norm(mesh_.positions[piece.corner[(k + 1) % 3]] -
-                                          mesh_.positions[piece.corner[k]]);
-      if (squared > length) {
-        length = squared;
-        longest = k;
-      }
-    }
-    if (longest == 3) return f(piece.corner);
-    const std::size_t a = longest, b = (a + 1) % 3, c = (a + 2) % 3;
-    const Index m = piece.middle[a];
-    for_each_part(Piece{{piece.corner[a], m, piece.corner[c]}, {kNone, kNone, piece.middle[c]}}, f);
-    for_each_part(Piece{{m, piece.corner[b], piece.corner[c]}, {kNone, piece.middle[b], kNone}}, f);
-  }
-
-  /// The triangles after splitting.
-  std::vector<std::array<Index, 3>> parts() const {
-    std::vector<std::array<Index, 3>> all;
-    all.reserve(mesh_.triangles.size() + 2 * (mesh_.positions.size() - first_new_));
-    for (std::size_t t = 0; t < mesh_.triangles.size(); ++t) {
-      for_each_part(whole(t), [&](const std::array<Index, 3>& part) { all.push_back(part); });
-    }
-    return all;
-  }
-
   /// Replaces the triangles; false if there is nothing to split.
   bool divide() {
     const std::size_t count = mesh_.positions.size() - first_new_;
     if (!close_.empty()) mark_new_close();
-    if (count > 0) mesh_.triangles = parts();
+    if (count > 0) mesh_.triangles = cuts_->parts();
     statistics.splits += count;
     return count > 0;
   }
@@ -355,21 +269,19 @@ class Refiner {
   /// The new vertices of edges between two that are close.
   void mark_new_close() {
     close_.resize(mesh_.positions.size(), false);
-    for (HalfEdge h = 0; h < middle_of_.size(); ++h) {
-      if (middle_of_[h] == kNone) continue;
-      close_[middle_of_[h]] = close_[start_of(mesh_, h)] && close_[end_of(mesh_, h)];
+    for (HalfEdge h = 0; h < cuts_->middle_of.size(); ++h) {
+      if (cuts_->middle_of[h] == kNone) continue;
+      close_[cuts_->middle_of[h]] = close_[start_of(mesh_, h)] && close_[end_of(mesh_, h)];
     }
   }
 
   const ImplicitSurface& surface_;
   TriangleMesh mesh_;
   const RefineOptions& options_;
-  std::vector<Vec3d> ways_out_;  ///< by vertex; empty where proofs are dear
-  std::vector<bool> close_;      ///< by vertex; empty if none is
-  std::vector<HalfEdge> opposite_;
-  std::vector<char> split_;       ///< by edge, whether it is to be split
-  std::vector<Index> middle_of_;  ///< by edge, the number of its new vertex or kNone
-  std::vector<FarTriangle> far_;  ///< by their corners; some may be split by now
+  std::vector<Vec3d> ways_out_;          ///< by vertex; empty where proofs are dear
+  std::vector<bool> close_;              ///< by vertex; empty if none is
+  std::optional<LongestEdgeCuts> cuts_;  ///< of the round
+  std::vector<FarTriangle> far_;         ///< by their corners; some may be split by now
   double longest_way_;
   Index first_new_;  ///< of the last round; what has no such vertex is known
 };

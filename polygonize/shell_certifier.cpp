@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 #include <utility>
 
 #include "polygonize/place_order.h"
@@ -13,7 +14,7 @@ namespace cs2mesh {
 namespace {
 
 /// Triangles that share a restriction of the surface.
-constexpr std::size_t kChunk = 64;
+constexpr std::size_t kChunk = 8;
 /// The shell reaches beyond where the surface seems to be by these parts of that distance and of
 /// the tolerance: room for the bounds to show it.
 constexpr double kRoom = 0.2, kLeast = 0.03;
@@ -21,7 +22,9 @@ constexpr double kRoom = 0.2, kLeast = 0.03;
 constexpr double kMostAtFirst = 0.7;
 /// Where that is not enough it is made thicker, and thinner where it ends beyond a gap, this often.
 constexpr int kChanges = 8;
-constexpr double kThicker = 1.5, kThinner = 0.5;
+constexpr double kThicker = 1.5, kThinner = 0.5, kMuchRoom = 2.0;
+/// Estimates of where the surface is over a point may be off by such a factor.
+constexpr double kNearer = 0.75;
 /// Of the tolerance, for the rounding of lengths.
 constexpr double kWhole = 1 - 1e-9;
 
@@ -39,10 +42,16 @@ double longest_side(const TriangleMesh& mesh, std::size_t triangle) {
 }  // namespace
 
 bool ShellCertifier::run(const TriangleMesh& mesh) {
+  if (progress_ != nullptr) progress_->report("certify", 0.0);
   take_over(mesh);
   if (!look_around()) return false;
   shape_shell();
   if (!prove_signs()) return false;
+  for (Record& record : records_) {
+    if (record.has_crossings || !record.signs.grows) continue;
+    record.crossings = Doubt::none;
+    record.has_crossings = true;
+  }
   const auto is_near = [this](std::uint32_t t) {
     return records_[t].signs.doubt == Doubt::none && !records_[t].has_crossings;
   };
@@ -119,6 +128,21 @@ std::vector<std::uint32_t> ShellCertifier::worth_cutting() const {
   }
   std::sort(triangles.begin(), triangles.end());
   triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+  return triangles;
+}
+
+std::vector<std::uint32_t> ShellCertifier::worth_cutting_flat() const {
+  std::vector<std::uint32_t> triangles = worth_cutting();
+  std::erase_if(triangles, [this](std::uint32_t t) {
+    const Look& look = records_[t].look;
+    if (!(kNearer * std::max(look.outer, look.inner) < tolerance_)) return true;
+    double thickness = 0.0;
+    for (const Index v : triangles_[t])
+      thickness = std::max({thickness, shell_.outer[v], shell_.inner[v]});
+    if (look.width < thickness) return true;
+    return std::none_of(look.normals.begin() + 1, look.normals.end(),
+                        [&](const Vec3d& n) { return dot(n, look.normals[0]) > 0; });
+  });
   return triangles;
 }
 
@@ -275,6 +299,10 @@ void ShellCertifier::shape_shell() {
       }
     }
   }
+  at_first_.resize(vertices);
+  for (std::size_t v = 0; v < vertices; ++v) {
+    if (fresh_[v] != 0) at_first_[v] = {shell_.outer[v], shell_.inner[v]};
+  }
 }
 
 bool ShellCertifier::prove_signs() {
@@ -304,22 +332,28 @@ bool ShellCertifier::adapt() {
     if (signs.doubt != Doubt::distance) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index v = triangles_[t][k];
-      if (signs.outer) thicker[v] |= kOuter;
-      if (signs.inner) thicker[v] |= kInner;
-      // The surface was not that far over the corner itself.
-      if (signs.wrong_outer[k] && look.height[k] < shell_.outer[v]) thinner[v] |= kOuter;
-      if (signs.wrong_inner[k] && -look.height[k] < shell_.inner[v]) thinner[v] |= kInner;
+      // Where corners have the right sign, what is asked for is room for the bounds alone.
+      const auto has_room = [&](const std::array<bool, 3>& wrong, double length, double at_first) {
+        return wrong == std::array<bool, 3>{} && length > kMuchRoom * at_first;
+      };
+      const auto& [outer, inner] = at_first_[v];
+      if (signs.outer && !has_room(signs.wrong_outer, shell_.outer[v], outer)) thicker[v] |= kOuter;
+      if (signs.inner && !has_room(signs.wrong_inner, shell_.inner[v], inner)) thicker[v] |= kInner;
+      // The surface was by far not that far over the corner itself.
+      if (signs.wrong_outer[k] && look.height[k] < kNearer * shell_.outer[v]) thinner[v] |= kOuter;
+      if (signs.wrong_inner[k] && -look.height[k] < kNearer * shell_.inner[v]) thinner[v] |= kInner;
     }
   }
   const double most = kWhole * tolerance_;
   std::vector<char> changed(thicker.size(), 0);
   bool any = false;
   for (std::size_t v = 0; v < changed.size(); ++v) {
-    for (const auto& [side, length] :
-         {std::pair(kOuter, &shell_.outer[v]), std::pair(kInner, &shell_.inner[v])}) {
+    for (const auto& [side, length, at_first] :
+         {std::tuple(kOuter, &shell_.outer[v], at_first_[v].first),
+          std::tuple(kInner, &shell_.inner[v], at_first_[v].second)}) {
       const double before = *length;
       if ((thinner[v] & side) != 0) {
-        *length *= kThinner;
+        *length = before > at_first ? at_first : kThinner * before;
         held_[v] |= side;
       } else if ((thicker[v] & side) != 0 && (held_[v] & side) == 0) {
         *length = std::max(before, std::min(kThicker * before, most));

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "libfield/base/progress.h"
@@ -32,6 +33,9 @@ class ShellCertifier {
   /// Triangles that may help to prove what is in doubt for `distance` or `fold` if they are cut;
   /// sorted.
   std::vector<std::uint32_t> worth_cutting() const;
+  /// Those among them for which parts that lie in them may do: that seem to be near, and to face
+  /// the way the surface does, somewhere at least.
+  std::vector<std::uint32_t> worth_cutting_flat() const;
   /// Of the surface at the vertices, outwards; of length one, or zero where there is none.
   std::vector<Vec3d> normals() const;
   /// Whether the surface seems to be within the tolerance of a triangle, by seven points.
@@ -89,6 +93,7 @@ class ShellCertifier {
   std::vector<Record> records_;
   std::vector<char> fresh_;  ///< by vertex: it has a triangle that is new
   OffsetShell shell_;
+  std::vector<std::pair<double, double>> at_first_;  ///< outer and inner lengths of the shell
   std::vector<char> held_;  ///< by vertex: bits for sides that are to get no thicker
   ProverCounts counts_;
 };

@@ -16,7 +16,13 @@ constexpr int kMostCuts = 4;
 /// Pieces of one triangle that are looked at in one round; with more to do it counts as not proven.
 constexpr std::size_t kMostPieces = 32;
 /// Pieces of a prism that are looked at to show that F grows in it.
-constexpr int kMostTries = 100;
+constexpr int kMostTries = 60;
+
+/// F at the corners of a piece's layers, as far as their signs are open.
+struct Seen {
+  std::array<Jet, 3> inner{};
+  std::array<double, 3> outer{};
+};
 
 /// A triangle's prism or a part of it: the corners are those of the whole with weights.
 struct Piece {
@@ -24,12 +30,14 @@ struct Piece {
   Corners weights{Vec3d{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
   double low = 0.0, high = 1.0;     ///< from where to where it reaches, inner to outer triangle
   bool outer = true, inner = true;  ///< the layers whose sign is not proven yet
+  int cuts = 0;                     ///< how often it was cut
+  HullBound bound{};                ///< of the signs, of it or of what it is a part of
+  Seen seen{};                      ///< at its corners
   bool open() const { return outer || inner; }
 };
 
 struct Prism {
   Corners outer, inner;
-  HullBound bound;
 
   std::array<Vec3d, 6> corners() const {
     return {outer[0], outer[1], outer[2], inner[0], inner[1], inner[2]};
@@ -48,20 +56,38 @@ Vec3d mixed(const Corners& corners, const Vec3d& weights) {
   return weights.x * corners[0] + weights.y * corners[1] + weights.z * corners[2];
 }
 
-/// The quarter of a piece at a corner, or with 3 that in the middle.
-Piece quarter(const Piece& piece, std::size_t which) {
+/// Between two corners of a piece each, opposite to the third.
+Corners middles_of(const Piece& piece) {
   Corners middle;
   for (std::size_t i = 0; i < 3; ++i) {
     middle[i] = 0.5 * (piece.weights[(i + 1) % 3] + piece.weights[(i + 2) % 3]);
   }
-  Piece part = piece;
-  if (which == 3) {
-    part.weights = middle;
-  } else {
-    part.weights[(which + 1) % 3] = middle[(which + 2) % 3];
-    part.weights[(which + 2) % 3] = middle[(which + 1) % 3];
-  }
+  return middle;
+}
+
+/// What three corners hold for the quarter of a triangle at a corner, or with 3 for that in the
+/// middle; `middle` is opposite to the corners.
+template <class T>
+std::array<T, 3> quarter(const std::array<T, 3>& corner, const std::array<T, 3>& middle,
+                         std::size_t which) {
+  if (which == 3) return middle;
+  std::array<T, 3> part = corner;
+  part[(which + 1) % 3] = middle[(which + 2) % 3];
+  part[(which + 2) % 3] = middle[(which + 1) % 3];
   return part;
+}
+
+/// The quarters of a piece, in whose middles F is as was seen.
+std::array<Piece, 4> quarters(const Piece& piece, const Seen& middle = {}) {
+  std::array<Piece, 4> parts{piece, piece, piece, piece};
+  const Corners weights = middles_of(piece);
+  for (std::size_t k = 0; k < 4; ++k) {
+    ++parts[k].cuts;
+    parts[k].weights = quarter(piece.weights, weights, k);
+    parts[k].seen.inner = quarter(piece.seen.inner, middle.inner, k);
+    parts[k].seen.outer = quarter(piece.seen.outer, middle.outer, k);
+  }
+  return parts;
 }
 
 /// Looks at neighbouring triangles by a restriction of the surface.
@@ -83,8 +109,11 @@ class Prover {
   std::vector<Finding> signs() {
     std::vector<Piece> pieces;
     for (std::size_t i = 0; i < triangles_.size(); ++i) pieces.push_back({i});
+    const std::vector<Seen> seen =
+        seen_of(pieces, [](const Piece& piece) -> const Corners& { return piece.weights; });
+    for (std::size_t i = 0; i < pieces.size(); ++i) pieces[i].seen = seen[i];
     for (int cuts = 0; !pieces.empty(); ++cuts) {
-      look_at(pieces);
+      for (Piece& piece : pieces) look_at(piece);
       if (cuts == kMostCuts) {
         give_up_on(pieces);
         break;
@@ -97,8 +126,7 @@ class Prover {
   std::vector<Finding> growth(Question question) {
     for (std::size_t i = 0; i < triangles_.size(); ++i) {
       int tries = kMostTries;
-      const std::vector<Vec3d> directions = directions_of(i, question);
-      if (grows_in({i}, directions, question, tries)) continue;
+      if (grows_in({i}, question, tries)) continue;
       findings_[i].doubt = doubt_of({i}, Doubt::fold);
     }
     return findings_;
@@ -121,25 +149,35 @@ class Prover {
     return whole;
   }
 
+  /// The point of the whole with those weights, so high above the inner triangle.
+  static Vec3d place(const Whole& whole, const Vec3d& weights, double height) {
+    const Vec3d base = mixed(whole.base, weights);
+    if (height == 1) return base + mixed(whole.out, weights);
+    const Vec3d inner = base + mixed(whole.in, weights);
+    return height == 0 ? inner : inner + height * (base + mixed(whole.out, weights) - inner);
+  }
+
   Prism prism_of(const Piece& piece) const {
     const Whole& whole = wholes_[piece.triangle];
     Prism prism;
     for (std::size_t k = 0; k < 3; ++k) {
-      const Vec3d base = mixed(whole.base, piece.weights[k]);
-      const Vec3d outer = base + mixed(whole.out, piece.weights[k]);
-      const Vec3d inner = base + mixed(whole.in, piece.weights[k]);
-      prism.outer[k] = piece.high == 1 ? outer : inner + piece.high * (outer - inner);
-      prism.inner[k] = piece.low == 0 ? inner : inner + piece.low * (outer - inner);
+      prism.outer[k] = place(whole, piece.weights[k], piece.high);
+      prism.inner[k] = place(whole, piece.weights[k], piece.low);
     }
     return prism;
   }
 
-  /// Inwards along the segments of a prism, and where that is asked for the normals of its layers.
-  std::vector<Vec3d> directions_of(std::size_t i, Question question) const {
+  /// Inwards along the segments of a piece, and where that is asked for the normals of the layers
+  /// of its prism. Between those at its corners lie the directions of all segments of the piece:
+  /// these are sums of the ways at its corners.
+  std::vector<Vec3d> directions_of(const Piece& piece, Question question) const {
+    const Whole& whole = wholes_[piece.triangle];
     std::vector<Vec3d> directions;
-    for (const auto v : mesh_.triangles[triangles_[i]]) directions.push_back(-shell_.direction[v]);
+    for (const Vec3d& weights : piece.weights) {
+      directions.push_back(normalized(mixed(whole.in, weights) - mixed(whole.out, weights)));
+    }
     if (question == Question::layers) {
-      for (const Vec3d& normal : layer_normals(mesh_, shell_, triangles_[i])) {
+      for (const Vec3d& normal : layer_normals(mesh_, shell_, triangles_[piece.triangle])) {
         directions.push_back(-normalized(normal));
       }
     }
@@ -149,25 +187,36 @@ class Prover {
   // ---- Signs ----
 
   /// Of the layers whose sign is open.
-  HullBound bound_of(const Piece& piece, const Prism& prism) {
+  HullBound bound_of(const Piece& piece, const Prism& prism,
+                     std::span<const Vec3d> directions = {}) {
     std::vector<Vec3d> hull;
     if (piece.outer) hull.assign(prism.outer.begin(), prism.outer.end());
     if (piece.inner) hull.insert(hull.end(), prism.inner.begin(), prism.inner.end());
     ++counts_.bounds;
-    return part_->hull_bound(hull, {});
+    return part_->hull_bound(hull, directions);
   }
 
-  void look_at(std::vector<Piece>& pieces) {
-    prisms_.clear();
+  /// F in three places of the open layers of each piece, whose weights are asked for.
+  template <class F>
+  std::vector<Seen> seen_of(const std::vector<Piece>& pieces, const F& weights_of) {
     std::vector<Vec3d> inner, outer;
     for (const Piece& piece : pieces) {
-      prisms_.push_back(prism_of(piece));
-      Prism& prism = prisms_.back();
-      prism.bound = bound_of(piece, prism);
-      if (piece.inner) inner.insert(inner.end(), prism.inner.begin(), prism.inner.end());
-      if (piece.outer) outer.insert(outer.end(), prism.outer.begin(), prism.outer.end());
+      for (const Vec3d& weights : weights_of(piece)) {
+        if (piece.inner) inner.push_back(place(wholes_[piece.triangle], weights, 0.0));
+        if (piece.outer) outer.push_back(place(wholes_[piece.triangle], weights, 1.0));
+      }
     }
-    look_at_signs(pieces, jets_at(inner), values_at(outer));
+    const std::vector<Jet> jets = jets_at(inner);
+    const std::vector<double> values = values_at(outer);
+    std::vector<Seen> seen(pieces.size());
+    std::size_t jet = 0, value = 0;
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      for (std::size_t k = 0; k < 3; ++k) {
+        if (pieces[i].inner) seen[i].inner[k] = jets[jet++];
+        if (pieces[i].outer) seen[i].outer[k] = values[value++];
+      }
+    }
+    return seen;
   }
 
   std::vector<Jet> jets_at(std::span<const Vec3d> points) {
@@ -185,30 +234,52 @@ class Prover {
   }
 
   /// Where F is of the wrong sign at a corner of a layer, no cutting helps.
-  void look_at_signs(std::vector<Piece>& pieces, std::span<const Jet> jets,
-                     std::span<const double> values) {
-    std::size_t jet = 0, value = 0;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      Piece& piece = pieces[i];
-      const Prism& prism = prisms_[i];
-      const HullBound& bound = prism.bound;
-      if (piece.inner) {
-        std::array<Tangent, 3> tangents;
-        for (std::size_t k = 0; k < 3; ++k, ++jet) {
-          if (!(jets[jet].value > 0)) wrong(piece, k, false);
-          tangents[k] = {prism.inner[k], bound.low(jets[jet].value), bound.gradient(jets[jet])};
-        }
-        piece.inner = !(lowest_over(tangents, bound.bend) > 0);
-      }
-      if (piece.outer) {
-        std::array<double, 3> high{};
-        for (std::size_t k = 0; k < 3; ++k, ++value) {
-          if (!(values[value] < 0)) wrong(piece, k, true);
-          high[k] = bound.high(values[value]);
-        }
-        piece.outer = !(highest_over(prism.outer, high, bound.bend) < 0);
-      }
+  void look_at(Piece& piece) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (piece.inner && !(piece.seen.inner[k].value > 0)) wrong(piece, k, false);
+      if (piece.outer && !(piece.seen.outer[k] < 0)) wrong(piece, k, true);
     }
+    if (findings_[piece.triangle].doubt != Doubt::distance) settle(piece, prism_of(piece));
+  }
+
+  /// What bounds a piece bounds its parts, too. A bound of a part's own is asked for where that of
+  /// the whole would not do for parts of it either: those have a quarter of the bend.
+  void settle(Piece& piece, const Prism& prism) {
+    const Seen& seen = piece.seen;
+    if (piece.cuts > 0) {
+      close_layers(piece, prism);
+      const bool parts_may_do = (!piece.outer || is_outside(prism, seen, piece.bound, 0.25)) &&
+                                (!piece.inner || is_inside(prism, seen, piece.bound, 0.25));
+      if (parts_may_do) return;
+      piece.bound = bound_of(piece, prism);
+    } else {
+      // Between its layers lies the whole prism.
+      piece.bound = bound_of(piece, prism, directions_of(piece, Question::crossings));
+      findings_[piece.triangle].grows = piece.bound.slope > 0;
+    }
+    close_layers(piece, prism);
+  }
+
+  static void close_layers(Piece& piece, const Prism& prism) {
+    const Seen& seen = piece.seen;
+    piece.outer = piece.outer && !is_outside(prism, seen, piece.bound, 1.0);
+    piece.inner = piece.inner && !is_inside(prism, seen, piece.bound, 1.0);
+  }
+
+  /// Whether the outer triangle is outside, if F bends by no more than that part of the bound.
+  static bool is_outside(const Prism& prism, const Seen& seen, const HullBound& bound,
+                         double part) {
+    std::array<double, 3> high{};
+    for (std::size_t k = 0; k < 3; ++k) high[k] = bound.high(seen.outer[k]);
+    return highest_over(prism.outer, high, part * bound.bend) < 0;
+  }
+  /// And the inner one inside.
+  static bool is_inside(const Prism& prism, const Seen& seen, const HullBound& bound, double part) {
+    std::array<Tangent, 3> tangents;
+    for (std::size_t k = 0; k < 3; ++k) {
+      tangents[k] = {prism.inner[k], bound.low(seen.inner[k].value), bound.gradient(seen.inner[k])};
+    }
+    return lowest_over(tangents, part * bound.bend) > 0;
   }
 
   void wrong(const Piece& piece, std::size_t corner, bool outer) {
@@ -224,15 +295,14 @@ class Prover {
   std::vector<Piece> parts_of(const std::vector<Piece>& pieces) {
     std::vector<std::size_t> count(triangles_.size(), 0);
     for (const Piece& piece : pieces) count[piece.triangle] += piece.open() ? 1 : 0;
-    std::vector<Piece> parts, hopeless;
-    for (std::size_t i = 0; i < pieces.size(); ++i) {
-      const Piece& piece = pieces[i];
+    std::vector<Piece> open, parts, hopeless;
+    for (const Piece& piece : pieces) {
       if (!piece.open() || findings_[piece.triangle].doubt == Doubt::distance) continue;
-      if (count[piece.triangle] > kMostPieces) {
-        hopeless.push_back(piece);
-      } else {
-        for (std::size_t k = 0; k < 4; ++k) parts.push_back(quarter(piece, k));
-      }
+      (count[piece.triangle] > kMostPieces ? hopeless : open).push_back(piece);
+    }
+    const std::vector<Seen> middles = seen_of(open, middles_of);
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      for (const Piece& part : quarters(open[i], middles[i])) parts.push_back(part);
     }
     give_up_on(hopeless);
     return parts;
@@ -251,27 +321,29 @@ class Prover {
     for (const Piece& piece : pieces) {
       Finding& finding = findings_[piece.triangle];
       if (!piece.open() || finding.doubt == Doubt::distance) continue;
-      finding = {doubt_of(piece, Doubt::distance), piece.outer, piece.inner};
+      finding.doubt = doubt_of(piece, Doubt::distance);
+      finding.outer = piece.outer;
+      finding.inner = piece.inner;
     }
   }
 
   // ---- Growth ----
 
-  bool grows_in(const Piece& piece, std::span<const Vec3d> directions, Question question,
-                int& tries) {
+  bool grows_in(const Piece& piece, Question question, int& tries) {
     if (--tries < 0) return false;
     const Prism prism = prism_of(piece);
+    const std::vector<Vec3d> directions = directions_of(piece, question);
     const std::array<Vec3d, 6> hull = prism.corners();
-    if (question == Question::crossings && grows_where_it_vanishes(hull, directions)) return true;
     ++counts_.bounds;
     const HullBound bound = part_->hull_bound(hull, directions);
     if (bound.slope > 0) return true;
-    if (question == Question::crossings && keeps_sign(hull, bound)) return true;
+    if (question == Question::crossings) {
+      if (keeps_sign(hull, bound) || grows_where_it_vanishes(hull, directions)) return true;
+    }
     if (!std::isfinite(bound.bend)) return false;
     const std::vector<Piece> parts = parts_of(piece, prism);
-    return std::all_of(parts.begin(), parts.end(), [&](const Piece& part) {
-      return grows_in(part, directions, question, tries);
-    });
+    return std::all_of(parts.begin(), parts.end(),
+                       [&](const Piece& part) { return grows_in(part, question, tries); });
   }
 
   bool grows_where_it_vanishes(const std::array<Vec3d, 6>& hull,
@@ -305,7 +377,7 @@ class Prover {
       parts.assign(2, piece);
       parts[0].high = parts[1].low = 0.5 * (piece.low + piece.high);
     } else {
-      for (std::size_t k = 0; k < 4; ++k) parts.push_back(quarter(piece, k));
+      for (const Piece& part : quarters(piece)) parts.push_back(part);
     }
     return parts;
   }
@@ -317,7 +389,6 @@ class Prover {
   std::unique_ptr<ImplicitSurface> part_;
   std::vector<Whole> wholes_;
   std::vector<Finding> findings_;
-  std::vector<Prism> prisms_;  ///< of the pieces of a round
 };
 
 }  // namespace

@@ -32,6 +32,9 @@ struct Finding {
   /// corners of the triangle it is wrong.
   bool outer = false, inner = false;
   std::array<bool, 3> wrong_outer{}, wrong_inner{};
+  /// With the signs it was found that F grows inwards along the segments all over the prism: there
+  /// is nothing left to ask about crossings.
+  bool grows = false;
 };
 
 enum class Question : std::uint8_t {

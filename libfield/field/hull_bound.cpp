@@ -4,6 +4,7 @@
 
 #include "libfield/field/field_data.h"
 #include "libfield/field/log_hull.h"
+#include "libfield/field/near_sum.h"
 
 namespace cs2mesh {
 
@@ -37,6 +38,15 @@ HullBound Field::hull_bound(std::span<const Vec3d> points,
   Aabb box;
   for (const Vec3d& p : points) box.include(p);
   require(box.finite(), "hull_bound needs finite points");
+  if (near_sum_ && box_.contains(box)) {
+    BatchBox hull(box);
+    double radius = 0.0;
+    for (const Vec3d& p : points) radius = std::max(radius, norm(p - hull.center));
+    hull.radius = std::min(hull.radius, radius * (1 + 1e-12));
+    HullBound bound;
+    bound.error = data_->error_budget;
+    if (near_sum_->get()->hull_bound(hull, directions, bound)) return bound;
+  }
   std::vector<std::uint32_t> list;
   near_terms(box, list);
   // Those of far fields are of no list.
@@ -44,8 +54,9 @@ HullBound Field::hull_bound(std::span<const Vec3d> points,
     list.push_back(static_cast<std::uint32_t>(i));
   }
   HullBound bound;
-  const bool in_exponent = std::all_of(
-      list.begin(), list.end(), [this](std::uint32_t i) { return has_log_hull(data_->terms[i]); });
+  const bool in_exponent = std::all_of(list.begin(), list.end(), [&](std::uint32_t i) {
+    return has_log_hull(data_->terms[i], box);
+  });
   if (in_exponent) {
     bound.in_exponent = true;
     LogHull hull(points, directions);

@@ -62,19 +62,36 @@ LogBend integrated(const K& kernel, const P& /*primitive*/, const Reach& r) {
 
 }  // namespace
 
-bool has_log_hull(const Term& term) {
-  constexpr double kMostAmplitude = 500.0;  // far below where exponents are cut off
+namespace {
+
+/// `squared` is the least squared distance of the point, if it is one, that counts.
+bool has_log_hull_from(const Term& term, double squared) {
+  constexpr double kMostExponent = 500.0;  // far below where exponents are cut off
   if (!(term.sign > 0) || !term.profiles.empty() || std::holds_alternative<Plane>(term.primitive) ||
       std::holds_alternative<TaperedSegment>(term.primitive)) {
     return false;
   }
   return std::visit(
-      [](const auto& kernel) {
+      [&](const auto& kernel) {
         using K = std::decay_t<decltype(kernel)>;
-        if constexpr (std::is_same_v<K, Gaussian>) return kernel.log_amplitude < kMostAmplitude;
+        if constexpr (std::is_same_v<K, Gaussian>)
+          return kernel.log_amplitude - kernel.a * kernel.a * squared < kMostExponent;
         return kHasLogBend<K>;
       },
       term.kernel);
+}
+
+}  // namespace
+
+bool has_log_hull(const Term& term) {
+  return has_log_hull_from(term, 0.0);
+}
+
+bool has_log_hull(const Term& term, const Aabb& box) {
+  const auto* point = std::get_if<Point>(&term.primitive);
+  if (point == nullptr || term.to_local) return has_log_hull(term);
+  const double distance = box.distance(point->position);
+  return has_log_hull_from(term, distance * distance * (1 - 1e-12));
 }
 
 bool has_cheap_log_hull(const Term& term) {

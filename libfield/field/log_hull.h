@@ -26,6 +26,9 @@ namespace cs2mesh {
 /// Whether there are bounds in the exponent: a positive term without profiles whose kernel is
 /// positive everywhere, over points, segments, arcs or triangles.
 bool has_log_hull(const Term& term);
+/// Whether there are such over the box: there may be even if the kernel is so stiff that exponents
+/// are cut off at the term's elements.
+bool has_log_hull(const Term& term, const Aabb& box);
 
 /// Whether that costs tens of nanoseconds: a Gaussian over a point.
 bool has_cheap_log_hull(const Term& term);

@@ -94,6 +94,23 @@ LogBends piece_bends(const K& kernel, const P& primitive, double near, double fa
 
 }  // namespace
 
+namespace {
+
+/// What an integral over elements at those distances is at most, times what its logarithm bends
+/// down at most: no more than those of the elements do, as the covariance of their gradients only
+/// bends it up.
+template <class K, class P>
+double weighted_bend(const K& kernel, const P& primitive, const LocalBox& local, const Reach& r) {
+  if constexpr (std::is_same_v<K, Inverse> || std::is_same_v<K, Squared>) {
+    if (!(r.near > kernel.clamp)) return kInfinity;
+  }
+  if (!(r.far < kEdge * kernel.support())) return kInfinity;
+  return integral_range(kernel, primitive, r).hi * log_bends(kernel, r.near, r.far).most *
+         local.stretch * local.stretch;
+}
+
+}  // namespace
+
 /// A piece as seen from a box.
 struct NearSum::View {
   enum class Kind { nothing, linear, exponent, other } kind = Kind::nothing;
@@ -127,10 +144,8 @@ bool find_exponent(const Term& term, const K& kernel, const P& primitive, const 
 
 }  // namespace
 
-namespace {
-
 /// A box as terms without a transformation see it, computed once.
-struct Sight {
+struct NearSum::Sight {
   explicit Sight(const BatchBox& box_) : box(box_), plain(local_box(Term{}, box_.box)) {}
   LocalBox local(const Term& term) const {
     return term.to_local ? local_box(term, box.box) : plain;
@@ -138,6 +153,8 @@ struct Sight {
   const BatchBox& box;
   LocalBox plain;
 };
+
+namespace {
 
 /// An upper bound of |D^2 f| over the box, cheaper than the tightest.
 template <class K, class P>
@@ -153,6 +170,7 @@ struct Linear {
 };
 
 /// Whether over all the boxes of the hull, none with a greater radius, the term is linear enough.
+template <class Sight>
 std::optional<Linear> linear_over(const Term& term, const Sight& hull, double radius) {
   const LocalBox local = hull.local(term);
   return visit_pair(term, [&](const auto& kernel, const auto& primitive) -> std::optional<Linear> {
@@ -176,7 +194,7 @@ View view_of_tangent(const Linear& linear, const Jet& jet) {
 }
 
 /// A piece as seen from a box; with a direction, its slope along it, too.
-template <class View>
+template <class View, class Sight>
 View view_of(const Term& term, const Sight& sight, const Jet& jet, const Vec3d* direction) {
   const LocalBox local = sight.local(term);
   return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
@@ -265,6 +283,7 @@ struct NearSum::Builder {
     const double first_slope = turn * squared * radius;
     const double second_slope = second_gradient_remainder(box, cubed * third, cubed * third, error);
     Far& far = sum.far_;
+    far.bend += term.sign > 0 ? weighted_bend(kernel, primitive, local, r) : kInfinity;
     far.center.value += term.sign * jets[0].value;
     far.center.gradient += term.sign * jets[0].gradient;
     const double rounding =
@@ -368,6 +387,32 @@ Interval NearSum::smooth_range(const Jet2& far, const Parts& parts, const BatchB
                  open * (1 + 1e-12));
 }
 
+/// A lower bound of their derivative along a direction.
+double NearSum::smooth_slope(const Jet2& far, const Parts& parts, const BatchBox& box,
+                             const Vec3d& direction) const {
+  const double length = norm(direction);
+  const Vec3d gradient = far.gradient + parts.tangent.gradient;
+  return dot(gradient, direction) - extent_along(far.hessian * direction, box.half) -
+         length * (far_.slope_error + parts.turn * box.radius) * (1 + 1e-12) -
+         1e-12 * length * norm(gradient);
+}
+
+/// What is collected for hull_bound().
+struct NearSum::Hull {
+  Parts parts;
+  std::vector<double> bends;                ///< of the exponents, with their sign turned
+  std::vector<std::vector<double>> slopes;  ///< of the exponents, by direction
+  double bend = 0.0;                        ///< of what is far and of tangents, weighted
+
+  void clear(std::size_t directions, double far_bend) {
+    parts.clear();
+    bends.clear();
+    slopes.resize(directions);
+    for (auto& list : slopes) list.clear();
+    bend = far_bend;
+  }
+};
+
 namespace {
 
 Interval exponential(const Interval& log_range) {
@@ -434,11 +479,7 @@ double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double 
     }
   }
   const Jet2 far = far_about(box);
-  const double length = norm(direction);
-  const Vec3d gradient = far.gradient + parts.tangent.gradient;
-  const double slope = dot(gradient, direction) - extent_along(far.hessian * direction, box.half) -
-                       length * (far_.slope_error + parts.turn * box.radius) * (1 + 1e-12) -
-                       1e-12 * length * norm(gradient);
+  const double slope = smooth_slope(far, parts, box, direction);
   SlopeProgram program;
   program.add(widened(smooth_range(far, parts, box), error), slope);
   for (const Term* term : others_) program.add(*term, box, direction);
@@ -461,6 +502,75 @@ double NearSum::least_slope(const BatchBox& box, const Vec3d& direction, double 
     one_by_one.add_rate(exponential(added[i].range(box)), parts.slopes[0][i]);
   }
   return std::max(together, one_by_one.least(total));
+}
+
+/// Adds what is known of a near term, its weighted bend, and its slopes; false if that is nothing.
+bool NearSum::add_to_hull(const Term& term, const Sight& sight, std::span<const Vec3d> directions,
+                          Hull& hull) const {
+  if (term.sign < 0) return false;
+  Jet jet;
+  accumulate(term, {&sight.box.center, 1}, std::span(&jet, 1));
+  const LocalBox local = sight.local(term);
+  return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
+    const Reach r = reach(term, primitive, local);
+    if (r.near > kernel.support()) return true;
+    const double turn = turn_bound(kernel, primitive, local, r), radius = sight.box.radius;
+    const bool little = turn * radius * std::max(radius, r.near) <= kLinear;
+    Exponent exponent;
+    if (!little && find_exponent(term, kernel, primitive, local, r, jet, exponent)) {
+      hull.parts.exponents[0].push_back(exponent);
+      hull.bends.push_back(-std::max(0.0, exponent.most));
+      for (std::size_t i = 0; i < directions.size(); ++i) {
+        const Vec3d& direction = directions[i];
+        const Vec3d way = term.to_local ? term.to_local->linear * direction : direction;
+        const Pull own = pull(term, kernel, primitive, local, way, r);
+        const double rate = own.lost == 0.0 ? own.rate : -kInfinity;
+        hull.slopes[i].push_back(std::max(rate, exponent.least_slope(sight.box, direction)));
+      }
+      return true;
+    }
+    hull.bend += weighted_bend(kernel, primitive, local, r);
+    const double rounding = kBackwardError * condition_number(primitive);
+    hull.parts.add(term, view_of_tangent<View>({turn, rounding, rounding * r.scale}, jet), jet);
+    return hull.bend < kInfinity;
+  });
+}
+
+bool NearSum::hull_bound(const BatchBox& box, std::span<const Vec3d> directions,
+                         HullBound& bound) const {
+  if (!others_.empty() || far_.bend == kInfinity) return false;
+  // S = A + N, of which N is known in the exponent, and A, what is far or little, by its polynomial
+  // and by what its terms bend at most.
+  thread_local Hull hull;
+  hull.clear(directions.size(), far_.bend);
+  const Sight sight(box);
+  for (const Term* term : near_) {
+    if (!add_to_hull(*term, sight, directions, hull)) return false;
+  }
+  const Parts& parts = hull.parts;
+  const std::vector<Exponent>& exponents = parts.exponents[0];
+  const Jet2 far = far_about(box);
+  const Interval smooth = smooth_range(far, parts, box),
+                 near = exponential(log_range(exponents, box));
+  const double least = near.lo + std::max(0.0, smooth.lo), most = near.hi + smooth.hi;
+  if (!(least > 0)) return false;
+  // The weighted mean of numbers of N, with the share of N in S.
+  const auto mean = [&](std::span<const double> numbers) {
+    if (numbers.empty()) return 0.0;
+    // Where weights say nothing, the mean is not below all.
+    const double n = std::max(*std::min_element(numbers.begin(), numbers.end()),
+                              least_mean_slope(exponents, numbers, box));
+    return n * (n > 0 ? near.lo / most * (1 - 1e-12) : std::min(1.0, near.hi / least));
+  };
+  bound.in_exponent = true;
+  bound.bend = (hull.bend / least - mean(hull.bends)) * (1 + 1e-12);
+  if (directions.empty()) return true;
+  bound.slope = kInfinity;
+  for (std::size_t i = 0; i < directions.size(); ++i) {
+    const double slope = smooth_slope(far, parts, box, directions[i]);
+    bound.slope = std::min(bound.slope, mean(hull.slopes[i]) + slope / (slope > 0 ? most : least));
+  }
+  return true;
 }
 
 }  // namespace cs2mesh

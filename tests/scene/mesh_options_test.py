@@ -183,6 +183,13 @@ class MostTriangles(SceneTest):
         scene = self.file("ball.art", BALL)
         report = self.report(scene, "ball.obj", "--max-triangles", 500, "--certify")
         self.assertEqual(report["certified"], 1)
+        self.assertGreater(report["certificate_time_share"], 0)
+        self.assertLess(report["certificate_time_share"], 1)
+        names = [stage["stage"] for stage in report["stages"]]
+        for stage in ("topology", "certify"):
+            self.assertIn(stage, names)
+        plain = self.report(scene, "ball.obj", "--max-triangles", 500)
+        self.assertNotIn("certificate_time_share", plain)
         self.assertLessEqual(report["triangles"], 500)
 
 

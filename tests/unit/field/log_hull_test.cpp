@@ -111,6 +111,17 @@ TEST(LogHull, FarNarrowTermsDoNotCount) {
   EXPECT_NEAR(bound.slope, 1.8, 1e-6);
 }
 
+TEST(LogHull, StiffPointsHaveOneWhereTheirExponentIsNotCutOff) {
+  Term term;
+  term.kernel = Gaussian{std::sqrt(1000.0), 1000.0};
+  term.primitive = Point{};
+  term.frame = frame_of(term.primitive);
+  EXPECT_FALSE(has_log_hull(term));
+  EXPECT_TRUE(has_log_hull(term, {{0.95, -0.05, -0.05}, {1.05, 0.05, 0.05}}));
+  EXPECT_FALSE(has_log_hull(term, {{0.6, -0.05, -0.05}, {1.05, 0.05, 0.05}}));
+  EXPECT_FALSE(has_log_hull(term, {{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}}));
+}
+
 TEST(LogHull, WantsAFewPoints) {
   EXPECT_THROW(LogHull({}, {}), ContractViolation);
   const std::vector<Vec3d> many(LogHull::kMostPoints + 1);

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <optional>
 
@@ -141,6 +143,68 @@ TEST(NearSum, HoldsWhatIsSampled) {
   EXPECT_GT(roots, 5000);
   EXPECT_GT(proven, rounds / 3);
   EXPECT_GT(one_sided, rounds / 4);
+}
+
+/// Whatever the logarithm of the sum does in the hull, over chords and along the directions.
+void expect_to_hold(const HullBound& bound, const Mixture& sum, const BatchBox& box,
+                    std::span<const Vec3d> directions, Random& random) {
+  for (int k = 0; k < 12; ++k) {
+    Vec3d p = k < 8 ? box.box.corner(k) : random_in(random, box.box);
+    p = box.center + std::min(1.0, box.radius / norm(p - box.center)) * (p - box.center);
+    const Vec3d q = box.center + random.uniform() * box.radius * random.direction();
+    if (!box.box.contains(q)) continue;
+    const Jet at_p = sum.at(p), at_q = sum.at(q), at_middle = sum.at(0.5 * (p + q));
+    const double second =
+        std::log(at_p.value) + std::log(at_q.value) - 2 * std::log(at_middle.value);
+    ASSERT_GE(second, -0.25 * bound.bend * squared_norm(p - q) - 1e-9);
+    for (const Vec3d& u : directions) {
+      ASSERT_LE(bound.slope,
+                dot(at_p.gradient, u) / at_p.value + 1e-6 * norm(at_p.gradient) / at_p.value);
+    }
+  }
+}
+
+TEST(NearSum, HullBoundsHoldWhatIsSampled) {
+  Random random(3, 1);
+  int growing = 0, bounded = 0, tight = 0;
+  for (int round = 0; round < 3000; ++round) {
+    const Mixture sum(random, round);
+    const std::vector<Aabb> boxes = nested_boxes(random);
+    auto near = std::make_shared<const NearSum>(sum.terms, sum.all(), boxes.front());
+    for (std::size_t i = 1; i < boxes.size(); ++i) {
+      near = std::make_shared<const NearSum>(near, boxes[i]);
+    }
+    BatchBox box(boxes.back());
+    box.radius *= random.uniform(0.5, 1.0);
+    const Jet middle = sum.at(box.center);
+    if (!(norm(middle.gradient) > 0)) continue;
+    const std::array<Vec3d, 2> directions{
+        normalized(middle.gradient), normalized(normalized(middle.gradient) + random.direction())};
+    HullBound bound;
+    if (!near->hull_bound(box, directions, bound)) continue;
+    EXPECT_TRUE(bound.in_exponent);
+    ++bounded;
+    growing += bound.slope > 0 ? 1 : 0;
+    tight += bound.bend * box.radius * box.radius < 1 ? 1 : 0;
+    expect_to_hold(bound, sum, box, directions, random);
+    if (HasFatalFailure()) FAIL() << "round " << round;
+  }
+  EXPECT_GT(bounded, 800);
+  EXPECT_GT(growing, bounded / 3);
+  EXPECT_GT(tight, bounded / 3);
+}
+
+TEST(NearSum, HasNoHullBoundsWhereTermsAreSubtracted) {
+  Random random(4, 1);
+  Mixture sum(random, 0);
+  sum.terms.assign(2, random_term(random, KernelKind::cauchy));
+  sum.terms[1].sign = -1;
+  const BatchBox box(Aabb{{-0.1, -0.1, -0.1}, {0.1, 0.1, 0.1}});
+  HullBound bound;
+  EXPECT_FALSE(NearSum(sum.terms, sum.all(), box.box).hull_bound(box, {}, bound));
+  // Also where they are far.
+  const BatchBox away(Aabb{{90, 0, 0}, {90.1, 0.1, 0.1}});
+  EXPECT_FALSE(NearSum(sum.terms, sum.all(), away.box).hull_bound(away, {}, bound));
 }
 
 TEST(NearSum, ProvesBoxesOfAThirdOfATubesRadius) {

@@ -70,6 +70,13 @@ TEST(Certificate, ProvesASphere) {
   }
 }
 
+/// Whose field is cut off in its middle.
+TEST(Certificate, ProvesAStiffBall) {
+  const Field surface({ball({}, 1.0, 1000)}, 1e-9);
+  EXPECT_EQ(certified(surface, test::sphere_mesh(3), 1.0, 0.03).share(), 1.0);
+  EXPECT_EQ(certified(surface, test::bare_sphere({}, 1.05, 3), 1.0, 0.03).share(), 0.0);
+}
+
 TEST(Certificate, ProvesATorusOfAnyKernelWithoutAnEnd) {
   const Arc circle = make_arc({}, 1.0, {0, 0, 1}, 0, 360);
   for (const Kernel& kernel : {Kernel(Gaussian{6.0, 2.0}), Kernel(Cauchy{6.0, 20.0})}) {
@@ -94,6 +101,9 @@ TEST(Certificate, DoubtsWhatIsTooFar) {
     mesh.positions[v] *= 1 + moved * tolerance;
     const Certificate certificate = certified(surface, mesh, 1.0, tolerance);
     EXPECT_LT(certificate.share(), 1.0);
+    double area = 0.0;
+    for (const UncertifiedPlace& place : certificate.places) area += place.area;
+    EXPECT_NEAR(certificate.area - certificate.certified_area, area, 1e-12);
     for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
       const auto& corners = mesh.triangles[t];
       const bool touches = std::find(corners.begin(), corners.end(), v) != corners.end();
@@ -197,11 +207,19 @@ Certificate refined(const ImplicitSurface& surface, TriangleMesh& mesh, double r
   return std::move(*result);
 }
 
-/// Meshes that use all of their tolerance leave no room for proofs until they are cut.
+/// Meshes that use all of their tolerance leave no room for the shells of whole triangles, but for
+/// those of their parts.
+TEST(Certificate, ProvesWhatUsesAllOfItsTolerance) {
+  const Field torus({term_over(Cauchy{6.0, 20.0}, make_arc({}, 1.0, {0, 0, 1}, 0, 360))}, 1e-9);
+  const double tolerance = 0.03;
+  const TriangleMesh mesh = meshed(torus, 0.3, tolerance);
+  EXPECT_EQ(certified(torus, mesh, 0.3, tolerance).share(), 1.0);
+}
+
 TEST(Certificate, CutsWhatItCannotProve) {
   const Field torus({term_over(Cauchy{6.0, 20.0}, make_arc({}, 1.0, {0, 0, 1}, 0, 360))}, 1e-9);
-  const TriangleMesh mesh = meshed(torus, 0.3, 0.03);
   const double tolerance = 0.03;
+  const TriangleMesh mesh = meshed(torus, 0.3, 1.3 * tolerance);
   ASSERT_LT(certified(torus, mesh, 0.3, tolerance).share(), 1.0);
   TriangleMesh finer = mesh;
   const Certificate certificate = refined(torus, finer, 0.3, tolerance);
@@ -212,6 +230,47 @@ TEST(Certificate, CutsWhatItCannotProve) {
   ASSERT_GE(finer.positions.size(), mesh.positions.size());
   EXPECT_TRUE(std::equal(mesh.positions.begin(), mesh.positions.end(), finer.positions.begin()));
   EXPECT_LE(measure(torus, finer, {}).max(), tolerance);
+}
+
+/// Whether the surface is within a distance of a point, along the gradient there.
+bool is_near(const ImplicitSurface& surface, const Vec3d& p, double distance) {
+  const Jet jet = surface.jet(p);
+  const Vec3d way = (jet.value > 0 ? -distance : distance) * normalized(jet.gradient);
+  return (surface.value(p + way) > 0) != (jet.value > 0);
+}
+
+/// A mesh that is moved here and there: of what is certified, each point is near and no triangle
+/// shows its back.
+TEST(Certificate, WhatIsCertifiedOfAMovedMeshIsRight) {
+  const Field surface({ball({-0.5, 0, 0}, 1.0, 4), ball({0.6, 0, 0}, 0.7, 6)}, 1e-9);
+  const double tolerance = 0.03;
+  const TriangleMesh good = meshed(surface, 0.7, 0.8 * tolerance);
+  Random random(6, 9);
+  std::size_t proven = 0, doubted = 0;
+  for (int round = 0; round < 8; ++round) {
+    TriangleMesh mesh = good;
+    for (Vec3d& p : mesh.positions) {
+      if (random.uniform() < 0.1) p += random.uniform(0.2, 2.0) * tolerance * random.direction();
+    }
+    const Certificate certificate = certified(surface, mesh, 0.7, tolerance);
+    for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+      if (certificate.doubts[t] != Doubt::none) {
+        ++doubted;
+        continue;
+      }
+      ++proven;
+      const auto& [a, b, c] = mesh.triangles[t];
+      EXPECT_LT(dot(area_vector(mesh, t), surface.jet(centroid(mesh, t)).gradient), 0);
+      for (int k = 0; k < 8; ++k) {
+        const double u = random.uniform(), v = random.uniform() * (1 - u);
+        const Vec3d p = mesh.positions[a] + u * (mesh.positions[b] - mesh.positions[a]) +
+                        v * (mesh.positions[c] - mesh.positions[a]);
+        EXPECT_TRUE(is_near(surface, p, 1.02 * tolerance)) << t;
+      }
+    }
+  }
+  EXPECT_GT(proven, doubted / 4);
+  EXPECT_GT(doubted, 100U);
 }
 
 TEST(Certificate, CutsNothingWhereAllIsProven) {
@@ -240,7 +299,8 @@ TEST(Certificate, CutsTowardsASingularPlace) {
   TriangleMesh mesh = meshed(touching, 1.0, 0.05);
   const double before = certified(touching, mesh, 1.0, 0.05).share();
   const Certificate certificate = refined(touching, mesh, 1.0, 0.05);
-  EXPECT_LT(before, 0.99);
+  EXPECT_GT(before, 0.99);
+  EXPECT_LT(before, 1.0);
   EXPECT_GT(certificate.share(), 0.999);
   EXPECT_LT(certificate.share(), 1.0);
   EXPECT_TRUE(check(mesh).ok());
