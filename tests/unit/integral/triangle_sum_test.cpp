@@ -3,19 +3,12 @@
 
 #include "libfield/integral/triangle_sum.h"
 
-#include <gtest/gtest.h>
-
-#include <algorithm>
-#include <cstdint>
 #include <cstdio>
-#include <vector>
 
-#include "libfield/base/random.h"
 #include "libfield/integral/bulk.h"
 #include "libfield/integral/cauchy_triangle.h"
 #include "tests/unit/integral/cases.h"
-#include "tests/unit/integral/wide.h"
-#include "tests/unit/simd/every_isa.h"
+#include "tests/unit/integral/packed_sum.h"
 
 namespace cs2mesh {
 namespace {
@@ -23,7 +16,6 @@ namespace {
 using cases::TriangleCase;
 
 TEST(TriangleSum, IsOffByAPartOfTheKernelsStrengthAndByRoundedInputs) {
-  constexpr double kInputs = 64 * std::numeric_limits<double>::epsilon();
   double worst = 0.0;
   int tried = 0;
   for (int i = 0; tried < 400; ++i) {
@@ -32,31 +24,17 @@ TEST(TriangleSum, IsOffByAPartOfTheKernelsStrengthAndByRoundedInputs) {
     const Cauchy kernel{sample.per_width, random.uniform(0.5, 2.0)};
     if (sample.condition > 1e4 || !(kernel.s * sample.scale < 1e15)) continue;
     ++tried;
-    const reference::Exact exact =
-        wide::exact_field(kernel, sample.primitive, sample.point, sample.scale, sample.condition);
-    const double value = static_cast<double>(exact.value);
-    const Vec3d gradient{static_cast<double>(exact.gradient[0]),
-                         static_cast<double>(exact.gradient[1]),
-                         static_cast<double>(exact.gradient[2])};
-    const double inputs = kInputs * sample.condition;
-    const double rounding = triangle_rounding(kernel);
-    const double value_error = rounding + inputs * (value + norm(gradient) * sample.scale);
-    const double slope_error =
-        10 * kernel.s * rounding + inputs * (norm(gradient) + exact.hessian_norm * sample.scale);
+    SCOPED_TRACE(i);
     const double sign = i % 2 == 0 ? 1.0 : -1.0;
     const TriangleSource source =
         triangle_source(kernel, TriangleFrame<double>(sample.primitive), sign);
-    const std::uint32_t index = 0;
-    testing::with_every_isa([&](Isa) {
-      Jet jet;
-      double alone = 0.0;
-      bulk_table().add_triangles<Jet>()(&source, &index, 1, &sample.point, &jet, 1);
-      bulk_table().add_triangles<double>()(&source, &index, 1, &sample.point, &alone, 1);
-      EXPECT_LE(std::abs(sign * jet.value - value), value_error) << "configuration " << i;
-      EXPECT_LE(norm(sign * jet.gradient - gradient), slope_error) << "configuration " << i;
-      EXPECT_EQ(alone, jet.value);
-      worst = std::max(worst, std::abs(sign * jet.value - value) / value_error);
-    });
+    const auto add = [&]<class Out>(const Vec3d& p, Out& sum) {
+      const std::uint32_t index = 0;
+      bulk_table().add_triangles<Out>()(&source, &index, 1, &p, &sum, 1);
+      sum = sign * sum;
+    };
+    worst = std::max(worst, testing::check_rounding(sample, kernel, triangle_rounding(kernel),
+                                                    sample.scale, add));
   }
   std::printf("worst: %.3f of what is promised\n", worst);
   EXPECT_GT(worst, 1e-4);  // there is something to get wrong
@@ -72,27 +50,7 @@ TEST(TriangleSum, AddsInOrderTheSameBitsForAPlaceInAnyCompany) {
     sources.push_back(triangle_source(Cauchy{random.uniform(1.0, 30.0)},
                                       TriangleFrame<double>(triangle), i % 3 == 0 ? -1.0 : 1.0));
   }
-  const std::vector<std::uint32_t> list{7, 0, 3, 4, 8};
-  std::vector<Vec3d> places;
-  for (int i = 0; i < 37; ++i) places.push_back(1.5 * random.uniform() * random.direction());
-  testing::with_every_isa([&](Isa) {
-    const auto add = bulk_table().add_triangles<Jet>();
-    std::vector<Jet> together(places.size());
-    add(sources.data(), list.data(), list.size(), places.data(), together.data(), places.size());
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      Jet alone;
-      for (const std::uint32_t source : list) {
-        Jet one;
-        add(sources.data(), &source, 1, &places[i], &one, 1);
-        alone.value += one.value;
-      }
-      EXPECT_NEAR(together[i].value, alone.value, 1e-14 * (1 + std::abs(alone.value)));
-      Jet single;
-      add(sources.data(), list.data(), list.size(), &places[i], &single, 1);
-      EXPECT_EQ(single.value, together[i].value);
-      EXPECT_EQ(single.gradient, together[i].gradient);
-    }
-  });
+  testing::check_company(sources, random, [] { return bulk_table().add_triangles<Jet>(); });
 }
 
 }  // namespace
