@@ -4,6 +4,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <numbers>
 #include <numeric>
 
 #include "libfield/integral/bulk.h"
@@ -29,6 +30,18 @@ constexpr double kAlike = 1.0 / 10;
 constexpr std::uint32_t kFewElements = 16;
 /// So many elements are sorted one by one at once.
 constexpr std::size_t kManyElements = 2048;
+
+/// What rounding the middle of a near segment may change, as a part of the error budget: few are
+/// steep in one place.
+constexpr double kMovedPart = 1.0 / 32;
+
+/// What that changes of the field of a Cauchy segment, anywhere: 4 x (1 + x^2)^-3 < 1.04.
+double moved_middle(const SegmentSource& segment) {
+  const double root = std::sqrt(segment.tau);
+  const double steepest = 1.04 * std::abs(segment.weight) / (segment.tau * segment.tau * root) *
+                          std::min(1.0, 0.5 * std::numbers::pi * root / norm(segment.half));
+  return std::numeric_limits<double>::epsilon() * norm(segment.middle) * steepest;
+}
 
 /// c^2 of far_reach.h where nothing is moved, from 1 / S.
 double corner_share2(double reach, double over) {
@@ -172,12 +185,13 @@ void FarField::Sorter::finish_segments(const std::vector<std::uint32_t>& segment
   }
 }
 
-/// Lists a segment to be summed by its closed form, if what rounding leaves open of that is at most
-/// `each`, else exactly. Returns the error.
+/// Lists a segment to be summed by its closed form in packs, if what rounding leaves open of that
+/// is at most `each`, else exactly, as far from the origin. Returns the error.
 double FarField::Sorter::list_near(std::uint32_t segment, double each) {
   if (field_.two_nu_ == 4.0) {
-    const double rounding = line_rounding(field_.segments_[segment], field_.reach_);
-    if (rounding <= each) {
+    const SegmentSource& source = field_.segments_[segment];
+    const double rounding = line_rounding(source, field_.reach_);
+    if (rounding <= each && moved_middle(source) <= kMovedPart * field_.error_budget_) {
       cell_.lines.push_back(segment);
       return rounding;
     }
