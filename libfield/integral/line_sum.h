@@ -64,8 +64,8 @@ Vec3<T> outer(const Vec3<T>& x, const Vec3<T>& y) {
           fma(x.x, y.y, T(-(x.y * y.x)))};
 }
 
-/// J1 and J2 of a stretch, from sqrt(K) and 1 / K, sqrt(K) times its length (in the unit of u), and
-/// a1 / q1 + a2 / q2.
+/// J1 and J2 of a stretch, from sqrt(K), 1 / K, the sine and the cosine of the angle times the same
+/// factor, H, and what J2 has beside H J1 in its brackets.
 template <class T>
 struct LineIntegrals {
   T j1, j2;
@@ -96,19 +96,19 @@ JetOf<T> line_sum(const SegmentSource* sources, const std::uint32_t* index, std:
     const Vec3<T> to = from - detail::in_lanes<T>(2.0 * source.half);
     const T tau(source.tau);
     const double squared = squared_norm(source.half);
-    const T q1 = inner(from, from, tau), q2 = inner(to, to, tau), q = inner(from, to, tau);
+    const T q1 = inner(from, from, tau), q2 = inner(to, to, tau), x = inner(from, to, tau);
     const Vec3<T> c = detail::outer(from, h);
     const T k = inner(c, c, T(squared * source.tau)), root = sqrt(k);
 
     // All reciprocals by one division.
     const T both = q1 * q2, over_all = T(1) / (both * k);
     const T over_k = both * over_all, over_both = k * over_all;
-    const T ends = fma(T(-0.5) * q, q1 + q2, both) * over_both;
-    const detail::LineIntegrals<T> line(root, over_k, T(root + root), q, T(squared), ends);
+    const T ends = fma(T(-0.5) * x, q1 + q2, both) * over_both;
+    const detail::LineIntegrals<T> line(root, over_k, T(root + root), x, T(squared), ends);
     sum.value = fma(T(0.5 * source.weight), line.j2, sum.value);
 
     const T over1 = q2 * over_both, over2 = q1 * over_both;
-    const T ends2 = T(0.5) * fma(fma(-q, over1, T(1)), over1, T(fma(-q, over2, T(1)) * over2));
+    const T ends2 = T(0.5) * fma(fma(-x, over1, T(1)), over1, T(fma(-x, over2, T(1)) * over2));
     const T j3 = fma(T(3 * squared), line.j2, ends2) * (T(0.25) * over_k);
     const double slope = -2.0 * source.weight / squared;
     const T across = T(slope) * j3;
