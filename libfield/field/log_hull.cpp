@@ -60,10 +60,6 @@ LogBend integrated(const K& kernel, const P& /*primitive*/, const Reach& r) {
   return bend;
 }
 
-}  // namespace
-
-namespace {
-
 /// `squared` is the least squared distance of the point, if it is one, that counts.
 bool has_log_hull_from(const Term& term, double squared) {
   constexpr double kMostExponent = 500.0;  // far below where exponents are cut off

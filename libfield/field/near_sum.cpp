@@ -92,10 +92,6 @@ LogBends piece_bends(const K& kernel, const P& primitive, double near, double fa
   return bends;
 }
 
-}  // namespace
-
-namespace {
-
 /// What an integral over elements at those distances is at most, times what its logarithm bends
 /// down at most: no more than those of the elements do, as the covariance of their gradients only
 /// bends it up.
