@@ -9,8 +9,8 @@ namespace {
 /// thread.
 constexpr std::size_t kLeastSize = 4096, kMostBlocks = 64;
 
-/// From any thread.
-void widen(MeshBlocks::Reach& reach, const MeshBlocks::Reach& other) {
+/// From any thread. Mostly there is nothing to do.
+inline void widen(MeshBlocks::Reach& reach, const MeshBlocks::Reach& other) {
   const std::atomic_ref<MeshBlocks::Reach> shared(reach);
   MeshBlocks::Reach now = shared.load(std::memory_order_relaxed);
   for (;;) {
