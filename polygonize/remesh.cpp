@@ -437,7 +437,6 @@ class Remesher {
 
   static constexpr int kFittings = 3;       ///< rounds of splitting what is too far, at the end
   static constexpr int kMoves = 3;          ///< of all vertices, in each round
-  static constexpr double kFit = 0.86;      ///< of the tolerance, which collapsing aims at
   static constexpr double kStrict = 1.2;    ///< the same at last
   static constexpr double kFar = 0.97;      ///< of the tolerance, beyond which triangles are split
   static constexpr double kShortest = 0.8;  ///< of the length that suits the curvature

@@ -1,6 +1,7 @@
 #include "polygonize/remesh_rules.h"
 
 #include <cmath>
+#include <utility>
 
 #include "polygonize/spread_error.h"
 
@@ -74,23 +75,29 @@ bool RemeshRules::may_collapse(HalfEdge h, double slack) const {
   const std::size_t n = ring.size();
   // Of three neighbours one triangle would be left, which in grooves often crosses others.
   if (n <= 3 || n > Ring::kMost) return false;
-  double worst = 1.0, angle = sound_;
+  const auto worst_now = [&](const auto& of_triangle) {
+    double worst = HUGE_VAL;
+    for (std::size_t i = 0; i < n; ++i) {
+      worst = std::min(worst, of_triangle(a, ring[i], ring[i + 1 < n ? i + 1 : 0]));
+    }
+    return worst;
+  };
+  const auto angle = [&](Index u, Index v, Index w) { return angle_of(u, v, w); };
+  const auto shape = [&](Index u, Index v, Index w) { return quality(u, v, w); };
+  // Bounds become those of the triangles there are once it matters how these are shaped.
+  double least_angle = sound_, least_shape = kShape;
+  bool angles_known = false, shapes_known = false;
   for (std::size_t i = 1; i + 1 < n; ++i) {
     const Seen t = seen(b, ring[i], ring[i + 1]);
-    if (!faces_outward(t) || !is_near(t, a, slack)) return false;
-    worst = std::min(worst, quality(t.a, t.b, t.c));
-    angle = std::min(angle, angle_of(t.a, t.b, t.c));
+    if (!faces_outward(t)) return false;
+    const double thin = angle(t.a, t.b, t.c);
+    if (thin < least_angle && !std::exchange(angles_known, true)) least_angle = worst_now(angle);
+    if (thin < std::min(least_angle, sound_) || !is_near(t, a, slack)) return false;
+    const double poor = shape(t.a, t.b, t.c);
+    if (poor <= least_shape && !std::exchange(shapes_known, true)) least_shape = worst_now(shape);
+    if (poor <= std::min(least_shape, kShape)) return false;
   }
-  const auto any_now = [&](const auto& is_bad) {
-    for (std::size_t i = 0; i < n; ++i) {
-      if (is_bad(ring[i], ring[i + 1 < n ? i + 1 : 0])) return true;
-    }
-    return false;
-  };
-  const auto as_thin = [&](Index c, Index d) { return angle_of(a, c, d) <= angle; };
-  const auto worse = [&](Index c, Index d) { return quality(a, c, d) < worst; };
-  return (angle >= sound_ || any_now(as_thin)) && (worst > kShape || any_now(worse)) &&
-         mesh_.can_collapse(h);
+  return mesh_.can_collapse(h);
 }
 
 bool RemeshRules::should_flip(HalfEdge h) const {
