@@ -75,7 +75,9 @@ class Settler {
     std::optional<Diagnostic> defect = find_defect();
     if (defect) return *defect;
     unfold(mesh_, normals_);
-    if (!uncross()) {
+    const bool crossing_free = uncross();
+    if (cancelled(options_.progress)) return interrupted();
+    if (!crossing_free) {
       return error_at({}, "triangles cross where the cells are too large for the surface",
                       Failure::check_failed);
     }
@@ -214,7 +216,7 @@ class Settler {
     constexpr int kRounds = 4;
     constexpr std::size_t kMostPairs = 100'000;
     const auto& back = polygons_.retreats.empty() ? polygons_.positions : polygons_.retreats;
-    for (int round = 0; round < kRounds; ++round) {
+    for (int round = 0; round < kRounds && !cancelled(options_.progress); ++round) {
       const auto found = find_self_intersections(mesh_, kMostPairs);
       if (!found || found->count == 0) return true;
       bool changed = false;
