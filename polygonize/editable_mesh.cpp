@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <utility>
 
 #include "libfield/base/check.h"
 
@@ -134,25 +135,38 @@ bool EditableMesh::flip_edge(HalfEdge h) {
   return true;
 }
 
-TriangleMesh EditableMesh::take(std::vector<Index>* kept) {
-  std::vector<Index> number(mesh_.positions.size(), kGone);
-  std::vector<bool> used(mesh_.positions.size(), false);
-  TriangleMesh out;
-  for (const auto& triangle : mesh_.triangles) {
-    if (triangle[0] == kGone) continue;
-    out.triangles.push_back(triangle);
-    for (const Index v : triangle) used[v] = true;
+std::vector<EditableMesh::Index> EditableMesh::close_gaps() {
+  std::vector<Index> triangle(mesh_.triangles.size(), kGone), vertex(mesh_.positions.size(), kGone);
+  std::size_t left = 0;
+  for (std::size_t t = 0; t < triangle.size(); ++t) {
+    if (!alive(t)) continue;
+    triangle[t] = static_cast<Index>(left);
+    mesh_.triangles[left] = mesh_.triangles[t];
+    for (std::size_t k = 0; k < 3; ++k) opposite_[3 * left + k] = opposite_[3 * t + k];
+    for (const Index v : mesh_.triangles[left++]) vertex[v] = 0;
   }
-  for (Index v = 0; v < used.size(); ++v) {
-    if (!used[v]) continue;
-    number[v] = static_cast<Index>(out.positions.size());
-    out.positions.push_back(mesh_.positions[v]);
-    if (kept != nullptr) kept->push_back(v);
+  mesh_.triangles.resize(left);
+  opposite_.resize(3 * left);
+  for (HalfEdge& h : opposite_) h = 3 * triangle[triangle_of(h)] + h % 3;
+  std::vector<Index> former;
+  for (Index v = 0; v < vertex.size(); ++v) {
+    if (vertex[v] == kGone) continue;
+    vertex[v] = static_cast<Index>(former.size());
+    mesh_.positions[former.size()] = mesh_.positions[v];
+    former.push_back(v);
   }
-  for (auto& triangle : out.triangles) {
-    for (Index& v : triangle) v = number[v];
+  mesh_.positions.resize(former.size());
+  mesh_.positions.shrink_to_fit(), mesh_.triangles.shrink_to_fit(), opposite_.shrink_to_fit();
+  for (auto& corners : mesh_.triangles) {
+    for (Index& v : corners) v = vertex[v];
   }
-  return out;
+  return former;
+}
+
+TriangleMesh EditableMesh::take() {
+  close_gaps();
+  opposite_ = {};
+  return std::exchange(mesh_, {});
 }
 
 }  // namespace cs2mesh

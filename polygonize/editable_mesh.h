@@ -15,15 +15,19 @@ namespace cs2mesh {
 class EditableMesh {
  public:
   using Index = TriangleMesh::Index;
+  /// Of vertices that edges are collapsed from, and into.
+  static constexpr std::size_t kMostValence = 24;
 
   /// Contract: `mesh` is closed, oriented and manifold along its edges.
   explicit EditableMesh(TriangleMesh mesh)
       : mesh_(std::move(mesh)), opposite_(opposite_half_edges(mesh_)) {}
 
   const TriangleMesh& mesh() const { return mesh_; }
-  /// The mesh without what was collapsed; `kept`, if not null, gets the former number of each
-  /// vertex of it.
-  TriangleMesh take(std::vector<Index>* kept = nullptr);
+  /// Numbers triangles and their vertices anew, in their order, without what was collapsed and
+  /// vertices of no triangle; returns the former number of each vertex. O(n).
+  std::vector<Index> close_gaps();
+  /// The mesh without gaps; nothing is left here.
+  TriangleMesh take();
   HalfEdge opposite(HalfEdge h) const { return opposite_[h]; }
   bool alive(std::size_t triangle) const { return mesh_.triangles[triangle][0] != kGone; }
   void move_vertex(Index v, const Vec3d& p) { mesh_.positions[v] = p; }
@@ -58,7 +62,6 @@ class EditableMesh {
 
  private:
   static constexpr Index kGone = ~Index{0};
-  static constexpr std::size_t kMostValence = 24;
   bool valence_above_three(HalfEdge h) const;
   HalfEdge append(Index a, Index b, Index c);
   void join(HalfEdge a, HalfEdge b);

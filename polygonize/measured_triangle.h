@@ -28,11 +28,13 @@ class MeasuredTriangle {
     return sides > 0 ? 2 * std::sqrt(3.0) * area() / sides : 1.0;
   }
 
+  /// Whether the angle at the corner is obtuse.
+  bool is_obtuse() const { return uv_ < 0; }
   /// Of the angle at the corner.
   double cotangent() const { return uv_ / std::max(area(), std::numeric_limits<double>::min()); }
 
   /// The way from the corner to the circumcentre, or to the middle of the longest side where that
-  /// is not inside; zero if it is degenerate.
+  /// is not inside: the same point from every corner. Zero if it is degenerate.
   Vec3d to_centre() const {
     const double square = uu_ * vv_ - uv_ * uv_;
     if (!(square > 0)) return {};

@@ -1,6 +1,7 @@
 #include "polygonize/mesh_blocks.h"
 
 #include <atomic>
+#include <span>
 
 namespace cs2mesh {
 namespace {
@@ -9,10 +10,11 @@ namespace {
 /// thread.
 constexpr std::size_t kLeastSize = 4096, kMostBlocks = 64;
 
-/// From any thread.
-void widen(MeshBlocks::Reach& reach, const MeshBlocks::Reach& other) {
+/// From any thread. Mostly there is nothing to do.
+inline void widen(MeshBlocks::Reach& reach, const MeshBlocks::Reach& other) {
   const std::atomic_ref<MeshBlocks::Reach> shared(reach);
   MeshBlocks::Reach now = shared.load(std::memory_order_relaxed);
+  if (now.first <= other.first && other.last <= now.last) return;
   for (;;) {
     MeshBlocks::Reach wide = now;
     wide.include(other);
@@ -30,9 +32,11 @@ MeshBlocks::MeshBlocks(const TriangleMesh& mesh)
   inner.resize(mesh.positions.size());
   const auto for_each_left = [&](const auto& f) {
     tbb::parallel_for(std::size_t{0}, count(), [&](std::size_t block) {
-      const std::size_t last = std::min(size_ * (block + 1), mesh.triangles.size());
-      for (std::size_t t = size_ * block; t < last; ++t) {
-        if (!is_gone(t)) f(mesh.triangles[t], static_cast<std::uint8_t>(block));
+      const std::size_t first = size_ * block;
+      const auto own =
+          std::span(mesh.triangles).subspan(first, std::min(size_, mesh.triangles.size() - first));
+      for (const auto& corners : own) {
+        if (corners[0] != corners[1]) f(corners, static_cast<std::uint8_t>(block));
       }
     });
   };

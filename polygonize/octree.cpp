@@ -14,17 +14,6 @@ Octree::Octree(const Vec3d& origin, double side) : origin_(origin), cells_(1) {
   for (double& s : sides_) s = std::exchange(side, 0.5 * side);
 }
 
-Vec3d Octree::point(const Int3& at) const {
-  const double unit = side(kMostLevels);
-  return {origin_.x + unit * at.x, origin_.y + unit * at.y, origin_.z + unit * at.z};
-}
-
-Aabb Octree::box(Index cell) const {
-  const Int3& low = cells_[cell].corner;
-  const std::int32_t width = std::int32_t{1} << (kMostLevels - cells_[cell].level);
-  return {point(low), point(low + Int3{width, width, width})};
-}
-
 /// Makes eight cells that are there its children.
 void Octree::set_children(Index leaf, Index first) {
   Cell& parent = cells_[leaf];

@@ -42,8 +42,15 @@ class Octree {
   }
   double side(int level) const { return sides_[static_cast<std::size_t>(level)]; }
   /// A corner or other point in the smallest units; rounded to nearest, hence monotone.
-  Vec3d point(const Int3& at) const;
-  Aabb box(Index cell) const;
+  Vec3d point(const Int3& at) const {
+    const double unit = side(kMostLevels);
+    return {origin_.x + unit * at.x, origin_.y + unit * at.y, origin_.z + unit * at.z};
+  }
+  Aabb box(Index cell) const {
+    const Int3& low = cells_[cell].corner;
+    const std::int32_t width = std::int32_t{1} << (kMostLevels - cells_[cell].level);
+    return {point(low), point(low + Int3{width, width, width})};
+  }
   Vec3d center(Index cell) const { return box(cell).center(); }
   /// The leaf that a point of the root lies in; of others, one as near as its face.
   Index leaf_at(const Vec3d& p) const;

@@ -18,7 +18,8 @@ struct Start {
 };
 
 std::vector<Start> starts(const SurfaceOctree& tree, const TriangleMesh& mesh,
-                          std::span<const Vec3d> normals, std::span<const Octree::Index> leaf_of) {
+                          std::span<const Vec3d> normals, std::span<const Octree::Index> leaf_of,
+                          double little) {
   constexpr double kMuch = 0.97;  // cosine
   std::vector<Start> all;
   for (const auto& t : mesh.triangles) {
@@ -27,6 +28,8 @@ std::vector<Start> starts(const SurfaceOctree& tree, const TriangleMesh& mesh,
       const Index a = t[k], b = t[(k + 1) % 3];
       if (a > b || !(dot(normals[a], normals[b]) < kMuch)) continue;
       const Vec3d &p = mesh.positions[a], &q = mesh.positions[b];
+      const double most_rise = 0.125 * norm(q - p) * norm(normals[b] - normals[a]);
+      if (!(most_rise > little)) continue;
       const double rise = sagitta(p, normals[a], q, normals[b]);
       all.push_back({leaf_of[a], 0.5 * (p + q) + (0.5 * rise) * (normals[a] + normals[b])});
     }
@@ -43,9 +46,10 @@ std::vector<Vec3d> points_half_way(const ImplicitSurface& surface, const Surface
                                    const TriangleMesh& mesh, std::span<const Vec3d> normals,
                                    std::span<const Octree::Index> leaf_of, double close) {
   constexpr int kSteps = 3;
+  constexpr double kLittle = 4.0;
   std::vector<Octree::Index> leaves;
   std::vector<Vec3d> points;
-  for (const Start& start : starts(tree, mesh, normals, leaf_of)) {
+  for (const Start& start : starts(tree, mesh, normals, leaf_of, kLittle * close)) {
     leaves.push_back(start.leaf);
     points.push_back(start.point);
   }

@@ -13,18 +13,15 @@
 #include "polygonize/balanced_heights.h"
 #include "polygonize/collapse_crossings.h"
 #include "polygonize/editable_mesh.h"
-#include "polygonize/fold.h"
 #include "polygonize/leaf_jets.h"
-#include "polygonize/measured_triangle.h"
 #include "polygonize/mend_folds.h"
 #include "polygonize/mesh_blocks.h"
 #include "polygonize/near_root.h"
 #include "polygonize/points_half_way.h"
-#include "polygonize/sagitta.h"
+#include "polygonize/remesh_rules.h"
 #include "polygonize/shape_operator.h"
 #include "polygonize/spread_error.h"
 #include "polygonize/triangle_sample.h"
-#include "polygonize/triangle_shape.h"
 
 namespace cs2mesh {
 namespace {
@@ -41,9 +38,14 @@ class Remesher {
         options_(options),
         leaf_of_(leaf_of.begin(), leaf_of.end()),
         mesh_(std::move(mesh)),
-        normals_(leaf_of.size()),
+        rules_(mesh_, at_, options.tolerance, options.balance),
         last_step_(leaf_of.size(), 0.0),
         used_(leaf_of.size(), true) {
+    at_.normals.resize(leaf_of.size());
+    at_.cells.reserve(leaf_of.size());
+    for (const Octree::Index leaf : leaf_of_) {
+      at_.cells.push_back(tree.octree().side(tree.octree()[leaf].level));
+    }
     sort_by_place();
   }
 
@@ -64,7 +66,7 @@ class Remesher {
       even_out();
     }
     stretch_ = kLastStretch;
-    sound_ = tangent_of(kThinAngle + 1);
+    rules_.set_sound_angle(kThinAngle + 1);
     for (int round = 0; round < kFittings && !cancelled(options_.progress); ++round) {
       find_metrics();
       split_far();
@@ -94,14 +96,14 @@ class Remesher {
   /// Moves vertices off the surface so that it is as far above the triangles at each as below.
   void balance() {
     constexpr double kMost = 0.9;  // of the tolerance
-    const auto heights = balanced_heights(mesh_.mesh(), normals_, kMost * options_.tolerance);
-    for (Index v = 0; v < normals_.size(); ++v) {
-      if (used_[v]) mesh_.move_vertex(v, position(v) + heights[v] * normals_[v]);
+    const auto heights = balanced_heights(mesh_.mesh(), at_.normals, kMost * options_.tolerance);
+    for (Index v = 0; v < at_.normals.size(); ++v) {
+      if (used_[v]) mesh_.move_vertex(v, position(v) + heights[v] * at_.normals[v]);
     }
   }
 
   void mend_folds() {
-    const FoldsMended mended = cs2mesh::mend_folds(mesh_, normals_, kTurn);
+    const FoldsMended mended = cs2mesh::mend_folds(mesh_, at_.normals, RemeshRules::kTurn);
     statistics.collapses += mended.collapses;
     statistics.flips += mended.flips;
   }
@@ -121,19 +123,19 @@ class Remesher {
     if (static_cast<double>(gone) < kMuch * static_cast<double>(mesh_.mesh().triangles.size())) {
       return;
     }
-    std::vector<Index> kept;
-    mesh_ = EditableMesh(mesh_.take(&kept));
+    const std::vector<Index> former = mesh_.close_gaps();
     const auto keep = [&](auto& of_vertex) {
-      for (std::size_t v = 0; v < kept.size(); ++v) of_vertex[v] = of_vertex[kept[v]];
-      of_vertex.resize(kept.size());
+      for (std::size_t v = 0; v < former.size(); ++v) of_vertex[v] = of_vertex[former[v]];
+      of_vertex.resize(former.size());
     };
-    keep(normals_), keep(leaf_of_), keep(shapes_), keep(metrics_), keep(last_step_), keep(used_);
+    keep(at_.normals), keep(at_.cells), keep(at_.shapes), keep(at_.metrics);
+    keep(leaf_of_), keep(last_step_), keep(used_);
     sort_by_place();
   }
 
   /// Which vertices are those of a triangle.
   void find_used() {
-    used_.assign(normals_.size(), false);
+    used_.assign(at_.normals.size(), false);
     for (std::size_t t = 0; t < mesh_.mesh().triangles.size(); ++t) {
       if (!mesh_.alive(t)) continue;
       for (const Index v : mesh_.mesh().triangles[t]) used_[v] = true;
@@ -154,7 +156,7 @@ class Remesher {
       if (last_step_[v] <= close) statistics.on_surface.push_back(position(v));
     }
     const std::vector<Vec3d> between =
-        points_half_way(surface_, tree_, mesh_.mesh(), normals_, leaf_of_, close);
+        points_half_way(surface_, tree_, mesh_.mesh(), at_.normals, leaf_of_, close);
     statistics.on_surface.insert(statistics.on_surface.end(), between.begin(), between.end());
     statistics.jets += 2 * between.size();
   }
@@ -197,7 +199,7 @@ class Remesher {
       for (std::size_t i = 0; i < open.size(); ++i) {
         const Index v = open[i];
         last_step_[v] = place(v, points[i], jets[i]);
-        if (last_step_[v] > kThere * side_at(v)) open[kept++] = v;
+        if (last_step_[v] > kThere * at_.cells[v]) open[kept++] = v;
       }
       open.resize(kept);
     }
@@ -212,7 +214,7 @@ class Remesher {
     constexpr double kShort = 0.02;   // of the cell, so that normals are right
     project(1);
     for (Index v = 0; v < used_.size(); ++v) {
-      const double share = last_step_[v] / side_at(v);
+      const double share = last_step_[v] / at_.cells[v];
       used_[v] = !(share <= kShort && share * last_step_[v] <= kClose * options_.tolerance);
       if (!used_[v]) last_step_[v] *= share;
     }
@@ -225,7 +227,7 @@ class Remesher {
     std::vector<RootQuery> lines;
     lines.reserve(open.size());
     for (const Index v : open) {
-      lines.push_back({position(v), normals_[v], last_step_[v], side_at(v)});
+      lines.push_back({position(v), at_.normals[v], last_step_[v], at_.cells[v]});
     }
     std::vector<std::optional<Vec3d>> roots(lines.size());
     find_near_roots(surface_, lines, roots);
@@ -240,85 +242,34 @@ class Remesher {
   double place(Index v, const Vec3d& point, const Jet& jet) {
     const double slope = norm_of_any(jet.gradient);
     if (!(slope > 0)) return kInfinity;
-    normals_[v] = -1.0 / slope * jet.gradient;
-    const Vec3d step = bounded(-leveled(jet.value) / slope * normals_[v], v);
+    at_.normals[v] = -1.0 / slope * jet.gradient;
+    const Vec3d step = bounded(-leveled(jet.value) / slope * at_.normals[v], v);
     mesh_.move_vertex(v, point - step);
-    return std::max(norm(step), norm(bounded(jet.value / slope * normals_[v], v)));
+    return std::max(norm(step), norm(bounded(jet.value / slope * at_.normals[v], v)));
   }
-
-  double side_at(Index v) const { return tree_.octree().side(tree_.octree()[leaf_of_[v]].level); }
 
   /// A step no longer than a quarter of a cell.
   Vec3d bounded(const Vec3d& step, Index v) const {
-    const double most = 0.25 * side_at(v);
+    const double most = 0.25 * at_.cells[v];
     const double length = norm(step);
     return length > most ? most / length * step : step;
   }
 
   // ---- Edges ----
 
-  double sagitta_of(Index a, Index b) const {
-    return sagitta(position(a), normals_[a], position(b), normals_[b]);
-  }
-  DeviationRange range_of(Index a, Index b, Index c) const {
-    return deviation_range(sagitta_of(a, b), sagitta_of(b, c), sagitta_of(c, a));
-  }
-  /// How far a triangle is from the surface; balanced, how far it would be if it were lifted.
-  double deviation_of(Index a, Index b, Index c) const {
-    return distance_from(range_of(a, b, c), (lift(a) + lift(b) + lift(c)) / 3);
-  }
-  /// How far triangles at a vertex may be from the surface: where cells are small, other sheets may
-  /// be near.
-  double allowed(Index v, double slack = 1.0) const {
-    constexpr double kCellShare = 0.5;
-    return std::min(slack * kFit * options_.tolerance, kCellShare * side_at(v));
-  }
-  /// Where the surface is smooth, moving spreads the error: triangles may be farther at first.
-  double slack_of(Index a, Index b, Index c, double most) const {
-    const bool smooth = dot(normals_[a], normals_[b]) > kSmooth &&
-                        dot(normals_[b], normals_[c]) > kSmooth &&
-                        dot(normals_[c], normals_[a]) > kSmooth;
-    return smooth ? most : std::min(most, kRough);
-  }
-  bool is_near(Index a, Index b, Index c, double most) const {
-    const double slack = slack_of(a, b, c, most);
-    return deviation_of(a, b, c) <=
-           std::min({allowed(a, slack), allowed(b, slack), allowed(c, slack)});
-  }
-
   /// How the surface bends at each vertex, by the normals around.
   void find_metrics() {
-    shapes_ = shape_operators(mesh_.mesh(), normals_);
-    metrics_.resize(shapes_.size());
-    tbb::parallel_for(std::size_t{0}, shapes_.size(), [&](std::size_t v) {
-      metrics_[v] = bend_metric(shapes_[v], normals_[v], stretch_);
+    at_.shapes = shape_operators(mesh_.mesh(), at_.normals);
+    at_.metrics.resize(at_.shapes.size());
+    tbb::parallel_for(std::size_t{0}, at_.shapes.size(), [&](std::size_t v) {
+      at_.metrics[v] = bend_metric(at_.shapes[v], at_.normals[v], stretch_);
     });
   }
 
-  /// As of distance_from(): over saddles the surface is as far above as below anyway.
-  double lift(Index v) const {
-    constexpr double kSteep = 4.0;
-    return options_.balance ? std::clamp(1 + kSteep * metrics_[v].ratio, 0.0, 1.0) : 0.0;
-  }
-
-  /// The squared length of an edge, 1 where it is what suits the curvature.
-  double length_of(HalfEdge h) const {
-    const Index a = start(h), b = end(h);
-    const Vec3d edge = position(b) - position(a);
-    const auto at = [&](Index v) {
-      // Where the principal curvatures differ, a triangle is nearer than on a sphere of the
-      // greater.
-      const double gain = 1 + (1 - std::max(metrics_[v].ratio, 0.0)) / 3;
-      return dot(edge, metrics_[v].form * edge) /
-             (6 * gain * (1 + lift(v)) * kFit * options_.tolerance);
-    };
-    return std::max(at(a), at(b));
-  }
-
   void collapse_short(double share) {
-    const double slack = share < kInfinity ? kSlack : kStrict;
+    const double slack = share < kInfinity ? RemeshRules::kSlack : kStrict;
     statistics.collapses += change_edges([&](HalfEdge h) {
-      if (!(length_of(h) < share * share) || !may_collapse(h, slack)) return false;
+      if (!(rules_.length_of(h) < share * share) || !rules_.may_collapse(h, slack)) return false;
       mesh_.collapse_edge(h);
       return true;
     });
@@ -337,66 +288,23 @@ class Remesher {
     return changed;
   }
 
-  /// Whether the triangles that stay around the start of h would be near the surface, face its way,
-  /// and be shaped no worse than is tolerable or than they were.
-  bool may_collapse(HalfEdge h, double slack) const {
-    constexpr double kShape = 0.35;
-    const Index a = start(h), b = end(h);
-    const HalfEdge back = mesh_.opposite(h);
-    bool fits = dot(normals_[a], normals_[b]) > kTurn;
-    double worst = 1.0, worst_now = 1.0;
-    double angle = sound_, angle_now = sound_;
-    int neighbours = 0;
-    mesh_.for_ring(h, [&](HalfEdge turn) {
-      ++neighbours;
-      if (!fits) return;
-      const Index c = end(turn), d = end(next_in_triangle(turn));
-      worst_now = std::min(worst_now, quality(a, c, d));
-      angle_now = std::min(angle_now, angle_of(a, c, d));
-      if (turn == h || triangle_of(turn) == triangle_of(back)) return;
-      fits = faces_outward(b, c, d) && is_near(b, c, d, slack) && near_vertex(a, b, c, d, slack);
-      worst = std::min(worst, quality(b, c, d));
-      angle = std::min(angle, angle_of(b, c, d));
-    });
-    // Of three neighbours one triangle would be left, which in grooves often crosses others.
-    return fits && neighbours > 3 && angle >= angle_now && (worst > kShape || worst > worst_now) &&
-           mesh_.can_collapse(h);
-  }
-
-  /// Whether the plane of a triangle passes within the tolerance of a vertex, along its normal.
-  bool near_vertex(Index v, Index a, Index b, Index c, double slack) const {
-    const Vec3d area = cross(position(b) - position(a), position(c) - position(a));
-    const double height = dot(area, position(v) - position(a));
-    return std::abs(height) <= (1 + lift(v)) * allowed(v, slack_of(a, b, c, slack)) * norm(area);
-  }
-
-  Symmetric3 form_of(Index a, Index b, Index c) const {
-    return metrics_[a].form + metrics_[b].form + metrics_[c].form;
-  }
-
-  /// A triangle, seen from a, as the surface measures it.
-  MeasuredTriangle measured(const Symmetric3& form, Index a, Index b, Index c) const {
-    return {form, position(b) - position(a), position(c) - position(a)};
-  }
-  double quality(Index a, Index b, Index c) const {
-    return measured(form_of(a, b, c), a, b, c).quality();
-  }
-
   /// Cuts the longest edges of triangles that are too far from the surface.
   void split_far() {
     const std::size_t count = mesh_.mesh().triangles.size();
     for (std::size_t t = 0; t < count; ++t) {
       if (!mesh_.alive(t)) continue;
       const auto [a, b, c] = mesh_.mesh().triangles[t];
-      if (std::max({a, b, c}) >= metrics_.size()) continue;
-      if (!(deviation_of(a, b, c) > slack_of(a, b, c, kFar) * options_.tolerance)) continue;
+      if (std::max({a, b, c}) >= at_.metrics.size()) continue;
+      if (!(rules_.deviation_of(a, b, c) > rules_.slack_of(a, b, c, kFar) * options_.tolerance)) {
+        continue;
+      }
       const auto first = static_cast<HalfEdge>(3 * t);
       HalfEdge longest = first;
       for (const HalfEdge h : {first + 1, first + 2}) {
-        if (length_of(h) > length_of(longest)) longest = h;
+        if (rules_.length_of(h) > rules_.length_of(longest)) longest = h;
       }
       const HalfEdge beyond = next_in_triangle(mesh_.opposite(longest));
-      if (end(beyond) >= metrics_.size()) continue;
+      if (end(beyond) >= at_.metrics.size()) continue;
       split(longest);
     }
     sort_by_place();
@@ -405,65 +313,50 @@ class Remesher {
   /// Puts a vertex on the surface above the middle of an edge, as far as the normals tell.
   void split(HalfEdge h) {
     const Index a = start(h), b = end(h);
-    const Vec3d sum = normals_[a] + normals_[b];
+    const Vec3d sum = at_.normals[a] + at_.normals[b];
     const double length = norm(sum);
-    if (!(length > kTurn)) return;
+    if (!(length > RemeshRules::kTurn)) return;
     const Vec3d n = sum / length;
-    mesh_.split_edge(h, 0.5 * (position(a) + position(b)) + sagitta_of(a, b) * n);
-    normals_.push_back(n);
+    mesh_.split_edge(h, 0.5 * (position(a) + position(b)) + rules_.sagitta_of(a, b) * n);
+    at_.normals.push_back(n);
+    at_.cells.push_back(at_.cells[a]);
     leaf_of_.push_back(leaf_of_[a]);
     last_step_.push_back(0.0);
     used_.push_back(true);
   }
 
-  bool faces_outward(Index a, Index b, Index c) const {
-    return faces_normals(mesh_.mesh().positions, normals_, {a, b, c}, kTurn);
-  }
-
-  /// Makes edges locally Delaunay where that keeps the mesh near the surface.
+  /// Makes edges locally Delaunay where that keeps the mesh near the surface, in two sweeps, the
+  /// second over the edges of triangles that the first changed.
   void flip_edges() {
-    for (int sweep = 0; sweep < 2; ++sweep) {
-      const std::size_t flipped = change_edges([&](HalfEdge h) {
-        return mesh_.opposite(h) > h && should_flip(h) && mesh_.flip_edge(h);
-      });
-      statistics.flips += flipped;
-      if (flipped == 0) break;
+    std::vector<char> changed(mesh_.mesh().triangles.size(), 0);
+    const auto flip = [&](HalfEdge h) {
+      const HalfEdge back = mesh_.opposite(h);
+      if (!rules_.should_flip(h) || !mesh_.flip_edge(h)) return false;
+      changed[triangle_of(h)] = changed[triangle_of(back)] = 1;
+      return true;
+    };
+    statistics.flips += change_edges([&](HalfEdge h) { return mesh_.opposite(h) > h && flip(h); });
+    for (std::size_t t = 0; t < changed.size(); ++t) {
+      for (std::size_t k = 0; changed[t] != 0 && k < 3; ++k) {
+        const auto h = static_cast<HalfEdge>(3 * t + k);
+        const std::size_t beyond = triangle_of(mesh_.opposite(h));
+        if ((beyond > t || changed[beyond] == 0) && flip(h)) ++statistics.flips;
+      }
     }
-  }
-
-  bool should_flip(HalfEdge h) const {
-    const HalfEdge back = mesh_.opposite(h);
-    const Index a = start(h), b = end(h);
-    const Index c = end(next_in_triangle(h)), d = end(next_in_triangle(back));
-    if (c == d) return false;
-    const Symmetric3 form = form_of(a, b, c) + metrics_[d].form;
-    const double both = measured(form, c, a, b).cotangent() + measured(form, d, b, a).cotangent();
-    if (!(both < -1e-9)) return false;
-    if (!faces_outward(d, c, a) || !faces_outward(c, d, b)) return false;
-    const double angle = std::min(angle_of(d, c, a), angle_of(c, d, b));
-    if (angle < sound_ && angle < std::min(angle_of(a, b, c), angle_of(b, a, d))) return false;
-    const double now = std::max(deviation_of(a, b, c), deviation_of(b, a, d));
-    const double then = std::max(deviation_of(d, c, a), deviation_of(c, d, b));
-    return !(then > now && then > kFit * options_.tolerance);
-  }
-
-  /// The tangent of the smallest angle.
-  double angle_of(Index a, Index b, Index c) const {
-    return tangent_of_smallest_angle(position(a), position(b), position(c));
   }
 
   /// Moves vertices and flips edges so that triangles are equally far from the surface.
   void spread() {
     constexpr int kSweeps = 6;
     constexpr double kSmoothShare = 0.9;  // along grooves, measuring has to cut again what comes
-    if (smooth_share(mesh_, normals_) < kSmoothShare) return;
+    if (smooth_share(mesh_, at_.normals) < kSmoothShare) return;
     find_metrics();
     std::vector<SpreadVertex> vertices;
-    vertices.reserve(shapes_.size());
-    for (Index v = 0; v < shapes_.size(); ++v) {
-      vertices.push_back({shapes_[v], allowed(v), lift(v)});
+    vertices.reserve(at_.shapes.size());
+    for (Index v = 0; v < at_.shapes.size(); ++v) {
+      vertices.push_back({at_.shapes[v], rules_.allowed(v), rules_.lift(v)});
     }
-    spread_error(mesh_, normals_, vertices, kSweeps);
+    spread_error(mesh_, at_.normals, vertices, kSweeps);
     project(1);
   }
 
@@ -476,7 +369,7 @@ class Remesher {
       relax();
       flip_edges();
     }
-    const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = normals_;
+    const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = at_.normals;
     project(1);
     take_back(MeshBlocks(mesh_.mesh()), old_points, old_normals);
   }
@@ -485,21 +378,22 @@ class Remesher {
   /// surface bends (Chen, "Mesh smoothing schemes based on optimal Delaunay triangulations", 2004),
   /// where no triangle is the worse for it.
   void relax() {
-    std::vector<Vec3d> sum(normals_.size(), Vec3d{});
-    std::vector<double> weight(normals_.size(), 0.0);
+    std::vector<Vec3d> sum(at_.normals.size(), Vec3d{});
+    std::vector<double> weight(at_.normals.size(), 0.0);
     const MeshBlocks blocks(mesh_.mesh());
     blocks.for_each_triangle(Depth::inner, [&](std::size_t triangle) {
       const auto& t = mesh_.mesh().triangles[triangle];
-      const Symmetric3 form = form_of(t[0], t[1], t[2]);
-      const double dense = metrics_[t[0]].density + metrics_[t[1]].density + metrics_[t[2]].density;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const MeasuredTriangle seen = measured(form, t[k], t[(k + 1) % 3], t[(k + 2) % 3]);
-        const double mass = dense * seen.area();
-        sum[t[k]] += mass * seen.to_centre();
-        weight[t[k]] += mass;
+      const MeasuredTriangle seen = rules_.measured(t[0], t[1], t[2]);
+      const double dense =
+          at_.metrics[t[0]].density + at_.metrics[t[1]].density + at_.metrics[t[2]].density;
+      const double mass = dense * seen.area();
+      const Vec3d centre = position(t[0]) + seen.to_centre();
+      for (const Index v : t) {
+        sum[v] += mass * (centre - position(v));
+        weight[v] += mass;
       }
     });
-    const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = normals_;
+    const std::vector<Vec3d> old_points = mesh_.mesh().positions, old_normals = at_.normals;
     tbb::parallel_for(std::size_t{0}, order_.size(), [&](std::size_t i) {
       const Index v = order_[i];
       if (weight[v] > 0) move_along(v, sum[v] / weight[v]);
@@ -510,42 +404,31 @@ class Remesher {
   /// Moves a vertex as far as the surface and its normal can be told from how it bends there.
   void move_along(Index v, const Vec3d& way) {
     constexpr double kMostTurn = 0.3;
-    const Vec3d step = bounded(way - dot(way, normals_[v]) * normals_[v], v);
-    const Vec3d turn = shapes_[v] * step;
+    const Vec3d step = bounded(way - dot(way, at_.normals[v]) * at_.normals[v], v);
+    const Vec3d turn = at_.shapes[v] * step;
     if (!(squared_norm(turn) < kMostTurn * kMostTurn)) return;
-    mesh_.move_vertex(v, position(v) + step - 0.5 * dot(step, turn) * normals_[v]);
-    normals_[v] = normalized(normals_[v] + turn);
-  }
-
-  /// Whether a triangle should not be as it is, after its corners were moved from these points.
-  bool worse(const std::array<Index, 3>& t, std::span<const Vec3d> points) const {
-    if (!faces_outward(t[0], t[1], t[2])) return true;
-    if (deviation_of(t[0], t[1], t[2]) > slack_of(t[0], t[1], t[2], kSlack) * options_.tolerance) {
-      return true;
-    }
-    const double angle = angle_of(t[0], t[1], t[2]);
-    return angle < sound_ &&
-           angle < tangent_of_smallest_angle(points[t[0]], points[t[1]], points[t[2]]);
+    mesh_.move_vertex(v, position(v) + step - 0.5 * dot(step, turn) * at_.normals[v]);
+    at_.normals[v] = normalized(at_.normals[v] + turn);
   }
 
   /// Returns the vertices of triangles that turned over, until there are none or all are back.
   void take_back(const MeshBlocks& blocks, std::span<const Vec3d> points,
                  std::span<const Vec3d> normals) {
-    std::vector<char> back(normals.size(), 0);
-    constexpr int kMostRounds = 8;
-    for (int round = 0; round < kMostRounds; ++round) {
+    constexpr std::uint8_t kMostRounds = 8;
+    std::vector<std::uint8_t> back(normals.size(), 0);  // since which round
+    for (std::uint8_t round = 1; round <= kMostRounds; ++round) {
       std::atomic<bool> any = false;
       blocks.for_each_triangle(Depth::inner, [&](std::size_t triangle) {
         const auto& t = mesh_.mesh().triangles[triangle];
-        // One that none came back to is as good as the first round found it.
-        if (round > 0 && back[t[0]] + back[t[1]] + back[t[2]] == 0) return;
-        if (!worse(t, points)) return;
+        // One that none came back to since is as good as it was found.
+        if (std::max({back[t[0]], back[t[1]], back[t[2]]}) + 1 < round) return;
+        if (!rules_.is_worse(t, points)) return;
         for (const Index v : t) {
           if (back[v] != 0) continue;
-          back[v] = 1;
+          back[v] = round;
           any = true;
           mesh_.move_vertex(v, points[v]);
-          normals_[v] = normals[v];
+          at_.normals[v] = normals[v];
         }
       });
       if (!any) break;
@@ -554,28 +437,21 @@ class Remesher {
 
   static constexpr int kFittings = 3;       ///< rounds of splitting what is too far, at the end
   static constexpr int kMoves = 3;          ///< of all vertices, in each round
-  static constexpr double kFit = 0.86;      ///< of the tolerance, which collapsing aims at
-  static constexpr double kSlack = 1.6;     ///< times that, at first: moving spreads the error
   static constexpr double kStrict = 1.2;    ///< the same at last
-  static constexpr double kRough = 0.6;     ///< the same where normals turn much between corners
   static constexpr double kFar = 0.97;      ///< of the tolerance, beyond which triangles are split
   static constexpr double kShortest = 0.8;  ///< of the length that suits the curvature
   /// Most ratio of curvatures that triangles follow, at first and last.
   static constexpr double kStretch = 4.0, kLastStretch = 3.0;
-  static constexpr double kTurn = 0.2;  ///< least cosine between a triangle and its normals
   const ImplicitSurface& surface_;
   const SurfaceOctree& tree_;
   const RemeshOptions& options_;
   std::vector<Octree::Index> leaf_of_;
   EditableMesh mesh_;
-  std::vector<Vec3d> normals_;
-  std::vector<Symmetric3> shapes_;
-  std::vector<BendMetric> metrics_;
+  SurfaceAtVertices at_;
+  RemeshRules rules_;
   std::vector<double> last_step_;  ///< on the way to the surface
   std::vector<Index> order_;
   std::vector<bool> used_;
-  /// The tangent of the angle below which none is made of better ones.
-  double sound_ = tangent_of(kThinAngle);
   double stretch_ = kStretch;  ///< most ratio of curvatures that triangles follow
 };
 

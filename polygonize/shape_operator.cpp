@@ -67,19 +67,17 @@ std::vector<Symmetric3> shape_operators(const TriangleMesh& mesh, std::span<cons
 }
 
 BendMetric bend_metric(const Symmetric3& shape, const Vec3d& normal, double stretch) {
-  const TangentFrame frame(normal);
-  const Vec3d su = shape * frame.u, sv = shape * frame.v;
-  const double uu = dot(frame.u, su), vv = dot(frame.v, sv), uv = dot(frame.u, sv);
-  const double mean = 0.5 * (uu + vv), radius = std::hypot(0.5 * (uu - vv), uv);
-  const double angle = 0.5 * std::atan2(uv, 0.5 * (uu - vv));
-  const Vec3d first = std::cos(angle) * frame.u + std::sin(angle) * frame.v;
-  const double k1 = mean + radius, k2 = mean - radius;  // k1 along `first`
+  const Symmetric3 across = squared(normal), along = multiple_of_unit(1.0) - across;
+  const double mean = 0.5 * trace(shape), size = norm(shape);
+  const double radius = std::sqrt(std::max(0.5 * size * size - mean * mean, 0.0));
+  const double k1 = mean + radius, k2 = mean - radius;
   const double greater = std::max(std::abs(k1), std::abs(k2));
   const double least = greater / stretch;
   const double m1 = std::max(std::abs(k1), least), m2 = std::max(std::abs(k2), least);
+  // What has m1 where the shape has k1, and m2 where it has k2.
+  const double factor = radius > 0 ? (m1 - m2) / (k1 - k2) : 0.0;
   BendMetric metric;
-  const Vec3d second = cross(normal, first);
-  metric.form = m1 * squared(first) + m2 * squared(second) + greater * squared(normal);
+  metric.form = factor * shape + (m1 - factor * k1) * along + greater * across;
   metric.density = std::sqrt(m1 * m2);
   if (greater > 0) metric.ratio = std::abs(k1) >= std::abs(k2) ? k2 / k1 : k1 / k2;
   return metric;

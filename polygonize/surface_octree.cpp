@@ -2,8 +2,6 @@
 
 #include <tbb/parallel_for.h>
 
-#include <boost/container/static_vector.hpp>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -15,6 +13,7 @@
 #include "libfield/base/check.h"
 #include "polygonize/cell_table.h"
 #include "polygonize/crossing_count.h"
+#include "polygonize/grower.h"
 #include "polygonize/triangle_sample.h"
 
 namespace cs2mesh {
@@ -88,73 +87,6 @@ std::array<Aabb, 8> parts(const Octree& octree, Octree::Index cell) {
   }
   return boxes;
 }
-
-/// How often a box may be cut before it counts as not proven, and after how many times what is
-/// asked is restricted to what is left of it.
-constexpr int kMostCuts = 4, kRestrictedAfter = 2;
-
-/// Asks whether F changes its sign at most once along every line of a direction in a box: where it
-/// grows along it on the surface in every part of the box, one direction for all.
-struct Grower {
-  const ImplicitSurface& surface;
-  Vec3d direction;
-  std::size_t slopes = 0;
-
-  /// Whether F grows so along `direction`.
-  bool grows_along(const Aabb& box) {
-    ++slopes;
-    if (surface.least_slope(box, direction) > 0) return true;
-    return grows_in_parts(surface, box, 0);
-  }
-  /// Whether F grows so along some direction; `direction` is its gradient somewhere in the box.
-  bool grows_somehow(const Aabb& box) {
-    ++slopes;
-    const Rise rise = surface.rise(box, direction);
-    if (rise.slope > 0) return true;
-    direction = rise.direction;
-    return grows_in_parts(surface, box, 0);
-  }
-
- private:
-  /// In halves first, which will do more often than not, then those in quarters, and so on. A few
-  /// questions are cheaper than a restriction; with more, what is far is better settled once.
-  bool grows_in_parts(const ImplicitSurface& part, const Aabb& box, int cuts) {
-    if (cuts == kMostCuts) return false;
-    const std::unique_ptr<const ImplicitSurface> own =
-        cuts == kRestrictedAfter ? part.restrict_to(box) : nullptr;
-    const ImplicitSurface& inner = own ? *own : part;
-    boost::container::static_vector<Aabb, 4> parts;
-    for (const Aabb& half : halves(box)) {
-      if (cuts % 2 == 0) {
-        parts.push_back(half);
-      } else {
-        for (const Aabb& quarter : halves(half)) parts.push_back(quarter);
-      }
-    }
-    for (const Aabb& smaller : parts) {
-      ++slopes;
-      if (inner.least_slope(smaller, direction) > 0) continue;
-      if (!grows_in_parts(inner, smaller, cuts + 1)) return false;
-    }
-    return true;
-  }
-
-  /// Of the longest sides, that which is most along the direction is halved: the surface is likely
-  /// to miss much of one half.
-  std::array<Aabb, 2> halves(const Aabb& box) const {
-    constexpr double kAlmost = 0.9;
-    const Vec3d extent = box.extent();
-    const double longest = std::max({extent.x, extent.y, extent.z});
-    std::size_t axis = 3;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (extent[k] < kAlmost * longest) continue;
-      if (axis == 3 || std::abs(direction[k]) > std::abs(direction[axis])) axis = k;
-    }
-    std::array<Aabb, 2> found{box, box};
-    found[0].max[axis] = found[1].min[axis] = box.center()[axis];
-    return found;
-  }
-};
 
 /// The direction in which F grows; zero where it is level.
 Vec3d way_up(const Jet& jet) {
@@ -422,23 +354,32 @@ std::vector<SurfaceOctree::Index> SurfaceOctree::unclear(std::size_t first_new,
   return numbers_of(chosen);
 }
 
+/// Whether the surface in a dual cell is in one leaf at most, which is known to hold one sheet.
+bool SurfaceOctree::holds_one_simple_leaf(const DualCell& cell) const {
+  Index found = 0;
+  for (const Index leaf : cell) {
+    if (kinds_[leaf] == LeafKind::empty || leaf == found) continue;
+    if (found != 0 || kinds_[leaf] != LeafKind::simple) return false;
+    found = leaf;
+  }
+  return true;
+}
+
 /// Whether the surface in a dual cell is a graph or nothing, as far as can be proven: in a box
 /// around what of the cell lies in leaves that may hold surface.
 bool SurfaceOctree::is_simple(const DualCell& cell, std::size_t& slopes) const {
+  if (holds_one_simple_leaf(cell)) return true;
   Aabb centers, leaves;
   Vec3d direction{};
   Index largest = 0;
-  bool one_simple = true;  // leaf, which is known to hold one sheet
   for (const Index leaf : cell) {
-    centers.include(octree_.center(leaf));
+    const Aabb box = octree_.box(leaf);
+    centers.include(box.center());
     if (kinds_[leaf] == LeafKind::empty) continue;
-    one_simple =
-        one_simple && kinds_[leaf] == LeafKind::simple && (largest == 0 || largest == leaf);
-    leaves.include(octree_.box(leaf));
-    direction += way_up(surface_at(leaf), octree_.box(leaf), jets_[leaf]);
+    leaves.include(box);
+    direction += way_up(surface_at(leaf), box, jets_[leaf]);
     if (largest == 0 || octree_[leaf].level < octree_[largest].level) largest = leaf;
   }
-  if (one_simple) return true;
   const Aabb box{max(centers.min, leaves.min), min(centers.max, leaves.max)};
   std::unique_ptr<const ImplicitSurface> own;
   if (!surface_box(largest).contains(box)) own = surfaces_.front()->restrict_to(box);

@@ -102,6 +102,7 @@ class SurfaceOctree {
   std::vector<Index> unclear(std::size_t first_new, const SurfaceOctreeOptions& options);
   void choose_largest(std::span<const Index> leaves, double smallest, std::vector<bool>& chosen);
   std::vector<Index> crowded(std::size_t first_new, const SurfaceOctreeOptions& options);
+  bool holds_one_simple_leaf(const DualCell& cell) const;
   bool is_simple(const DualCell& cell, std::size_t& slopes) const;
   bool looks_crossed_as_told(const DualEdge& edge) const;
   bool is_crossed_as_told(const DualEdge& edge, Counts& counts) const;

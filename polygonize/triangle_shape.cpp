@@ -12,15 +12,6 @@ constexpr double kDegree = std::numbers::pi / 180.0;
 
 }  // namespace
 
-double tangent_of_smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
-  // It lies opposite to the shortest side, hence at the corner with the greatest product of edges:
-  // the square of a side is the sum of the products at its ends.
-  const Vec3d u = b - a, v = c - b, w = a - c;
-  const double beside = std::max({-dot(u, v), -dot(v, w), -dot(w, u)});
-  const double twice_area = norm(cross(u, v));
-  return twice_area > 0 ? twice_area / beside : 0.0;
-}
-
 double smallest_angle(const Vec3d& a, const Vec3d& b, const Vec3d& c) {
   return std::atan(tangent_of_smallest_angle(a, b, c)) / kDegree;
 }

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include <cmath>
 
 #include "libfield/base/random.h"
@@ -83,6 +85,27 @@ TEST(EditableMesh, AnySequenceOfCollapsesKeepsTheManifold) {
   }
   EXPECT_GT(collapses, 50);
   expect_manifold(EditableMesh(mesh.take()));
+}
+
+TEST(EditableMesh, ClosingGapsKeepsTheOrderAndWhatIsJoined) {
+  EditableMesh mesh(octahedron());
+  for (std::size_t t = 0; t < 8; ++t) mesh.split_triangle(t, {0.1 * static_cast<double>(t), 1, 1});
+  for (HalfEdge h = 0; h < 3 * mesh.mesh().triangles.size(); ++h) {
+    if (mesh.alive(triangle_of(h)) && h % 5 == 0 && mesh.can_collapse(h)) mesh.collapse_edge(h);
+  }
+  const TriangleMesh before = mesh.mesh();
+  std::size_t left = 0;
+  for (std::size_t t = 0; t < before.triangles.size(); ++t) left += mesh.alive(t) ? 1 : 0;
+  ASSERT_LT(left, before.triangles.size());
+  const std::vector<EditableMesh::Index> former = mesh.close_gaps();
+  ASSERT_EQ(mesh.mesh().triangles.size(), left);
+  ASSERT_EQ(mesh.mesh().positions.size(), former.size());
+  EXPECT_TRUE(std::is_sorted(former.begin(), former.end()));
+  for (std::size_t v = 0; v < former.size(); ++v) {
+    EXPECT_EQ(mesh.mesh().positions[v], before.positions[former[v]]);
+  }
+  expect_manifold(mesh);
+  EXPECT_EQ(mesh.take().triangles.size(), left);
 }
 
 TEST(EditableMesh, ATetrahedronCannotBeCollapsed) {
