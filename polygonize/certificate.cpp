@@ -171,7 +171,7 @@ double area_in_doubt(const TriangleMesh& mesh, const ShellCertifier& certifier) 
   const std::vector<Doubt> doubts = certifier.doubts();
   double area = 0.0;
   for (std::size_t t = 0; t < doubts.size(); ++t) {
-    if (doubts[t] == Doubt::distance || doubts[t] == Doubt::fold) {
+    if (may_be_cut(doubts[t])) {
       area += norm(area_vector(mesh, t));
     }
   }
