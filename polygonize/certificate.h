@@ -22,8 +22,8 @@
 // has no more regions than the mesh parts it in, but perhaps for what is in open leaves.
 //
 // The bounds are those of bent_triangle.h: a few values a triangle, and more where that leaves it
-// open. Where F has kinks they are those of its slopes: F is continuous and its one-sided slopes lie
-// within bounds, which is all that the signs and the growth along segments need.
+// open. Where F has kinks they are those of its slopes: F is continuous and its one-sided slopes
+// lie within bounds, which is all that the signs and the growth along segments need.
 #pragma once
 
 #include <cstddef>
@@ -78,6 +78,10 @@ struct Certificate {
 
 struct CertifyOptions {
   double tolerance = 0.0;  ///< scene units, > 0
+  /// certify_refined() cuts no more once that share is certified, nothing at all where no more than
+  /// the share `hopeless` is, and else a few times and then in so many rounds at most.
+  double enough = 1.0, hopeless = 0.0;
+  int rounds = 16;
   Progress* progress = nullptr;
 };
 
