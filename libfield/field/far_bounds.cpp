@@ -25,11 +25,13 @@ constexpr std::size_t kManyNear = 1024;
 
 }  // namespace
 
-void FarField::Cell::measure_series() {
-  size = 0.0;
-  for (const double c : series) size += std::abs(c);
-  hessian = cs2mesh::derivative_bound(series, 2) / (half * half);
-  third = cs2mesh::derivative_bound(series, 3) / (half * half * half);
+const FarField::Cell::SeriesBounds& FarField::Cell::series_bounds() const {
+  std::call_once(measured_, [&] {
+    for (const double c : series) series_bounds_.size += std::abs(c);
+    series_bounds_.hessian = cs2mesh::derivative_bound(series, 2) / (half * half);
+    series_bounds_.third = cs2mesh::derivative_bound(series, 3) / (half * half * half);
+  });
+  return series_bounds_;
 }
 
 /// Contains the sum of a cluster over the box.
@@ -75,7 +77,6 @@ std::unique_ptr<FarField::Cell> FarField::cell_of(const BoxBatch& batch, double&
   } else {
     error = greatest(sorter.sort({0}, {}, error, 1.0));
   }
-  cell->measure_series();
   return cell;
 }
 
@@ -86,11 +87,12 @@ void FarField::add_series(const Cell& cell, const BoxBatch& batch, std::span<Sum
   bulk_table().add_series<Jet>()(cell.series.data(), cell.center, cell.half, points.data(),
                                  jets.data(), jets.size());
   const std::size_t stride = batch.stride();
-  const double rounding = 1e-13 * cell.size;
+  const auto& [size, hessian, third] = cell.series_bounds();
+  const double rounding = 1e-13 * size;
   for (std::size_t i = 0; i < sums.size(); ++i) {
     const BatchBox& box = batch.boxes[i];
-    const double first = 0.5 * cell.hessian * box.radius * box.radius;
-    const double second = second_remainder(box, cell.third, cell.third, rounding / cell.half);
+    const double first = 0.5 * hessian * box.radius * box.radius;
+    const double second = second_remainder(box, third, third, rounding / cell.half);
     sums[i].add_polynomial(std::span(jets).subspan(stride * i, stride), first, second, box);
     sums[i].rounding += rounding * (1 + box.radius / cell.half);
   }
@@ -142,9 +144,10 @@ void FarField::add_gradient_bound(const BatchBox& box, GradientSum& sum) const {
   std::array<Jet, 4> jets;
   bulk_table().add_series<Jet>()(cell->series.data(), cell->center, cell->half, points.data(),
                                  jets.data(), jets.size());
-  const double error = 1e-13 * cell->size / cell->half;
-  const double first = box.radius * cell->hessian * (1 + 1e-12) + error;
-  const double second = second_gradient_remainder(box, cell->third, cell->third, error);
+  const auto& [size, hessian, third] = cell->series_bounds();
+  const double error = 1e-13 * size / cell->half;
+  const double first = box.radius * hessian * (1 + 1e-12) + error;
+  const double second = second_gradient_remainder(box, third, third, error);
   sum.add_polynomial(jets, first, second, box);
 }
 

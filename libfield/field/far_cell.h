@@ -4,6 +4,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <vector>
 
 #include "libfield/field/far_chords.h"
@@ -19,9 +20,6 @@ struct FarField::Cell {
   int level = 0;
   bool leaf = false;
   Series series{};        ///< of (p - center) / half
-  double size = 0.0;      ///< sum of the absolute values of its coefficients
-  double hessian = 0.0;   ///< >= the norm of its second derivative
-  double third = 0.0;     ///< and of its third
   double share = 0.0;     ///< of the cell's error budget, for one source
   OctantErrors errors{};  ///< bounds of that of the series, from the root on
   /// What is not in the series: nodes of the source tree, and elements.
@@ -56,10 +54,19 @@ struct FarField::Cell {
     for (auto& some : segments) some = {};
     for (auto& some : chords) some = {};
   }
-  /// Finds what is known of the series.
-  void measure_series();
+  struct SeriesBounds {
+    double size = 0.0;     ///< sum of the absolute values of its coefficients
+    double hessian = 0.0;  ///< >= the norm of its second derivative
+    double third = 0.0;    ///< and of its third
+  };
+  /// Found when first asked for: values want none.
+  const SeriesBounds& series_bounds() const;
   /// From the centre to a corner, rounded up.
   double radius() const { return 1.7320508075688774 * (1 + 1e-12) * half; }
+
+ private:
+  mutable std::once_flag measured_;
+  mutable SeriesBounds series_bounds_;
 };
 
 template <class Visit>

@@ -16,18 +16,21 @@ namespace {
 
 /// A cell whose list is no longer is a leaf: about as many as are summed in the time that finer
 /// cells would take to set up. No more of them may be near, which take ten times as long, nor by
-/// closed forms in packs, nor points, whose cells take less time to set up.
-constexpr std::size_t kShortList = 900, kMostNear = 100, kMostLines = 150, kMostTriangles = 300,
-                      kMostPoints = 700;
+/// closed forms in packs, nor anything but points, which take least.
+constexpr std::size_t kShortList = 1000, kMostNear = 100, kMostLines = 150, kMostTriangles = 300,
+                      kMostPoints = 1000, kMostOthers = 900;
+/// So many points are gathered by their cells at once: what that takes stays in memory at hand.
+constexpr std::size_t kMostGathered = 16384;
 /// A cell that so few elements reach into is a leaf, unless its list is longer than that.
 constexpr std::size_t kFewElements = 3, kLongestList = 2048;
 constexpr int kMostLevels = 20;
-/// The part of the error budget for the series along the way from the root. A cell with a long list
-/// serves many points and may cost much: it has a small part of what its parents have left. Those
-/// of the last levels, which are many, have a large one.
+/// The part of the error budget for the series along the way from the root; all of it where the
+/// lists of leaves, of points alone, are summed exactly. A cell with a long list serves many points
+/// and may cost much: it has a small part of what its parents have left. Those of the last levels,
+/// which are many, have a large one.
 constexpr double kSeriesPart = 0.8;
 constexpr std::size_t kLongList = 4000;
-constexpr double kEarlyPart = 0.1, kLatePart = 0.55;
+constexpr double kEarlyPart = 0.15, kLatePart = 0.55;
 /// A list shrinks from level to level, so that each source that leaves it may leave open more.
 constexpr double kShareGrowth = 2.3;
 
@@ -107,11 +110,11 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
                     const std::vector<std::uint32_t>& elements, std::size_t listed,
                     double guess) const {
   Sorter sorter(*this, cell);
-  const double rest = kSeriesPart * error_budget_ - greatest(cell.errors);
+  const bool exact_lists = !(tree_.node(0).longest > 0);
+  const double rest = (exact_lists ? 1.0 : kSeriesPart) * error_budget_ - greatest(cell.errors);
   const double part = listed > kLongList ? kEarlyPart : kLatePart;
   const OctantErrors errors = sorter.sort(nodes, elements, part * rest, guess);
   for (std::size_t k = 0; k < errors.size(); ++k) cell.errors[k] += errors[k];
-  cell.measure_series();
   // Where all is close together, smaller cells do not help; nor where a cell holds so little of
   // the surface that its points are summed before finer cells are set up.
   const bool stuck = cell.level > 4 && 5 * cell.listed > 4 * listed;
@@ -121,16 +124,24 @@ void FarField::fill(Cell& cell, const std::vector<std::uint32_t>& nodes,
   sorter.finish(error_budget_ - greatest(cell.errors));
   cell.leaf =
       cell.leaf || (cell.near.size() <= kMostNear && cell.lines.size() <= kMostLines &&
-                    cell.points.size() <= kMostPoints && cell.triangles.size() <= kMostTriangles);
+                    cell.points.size() <= kMostPoints && cell.triangles.size() <= kMostTriangles &&
+                    cell.listed - cell.points.size() <= kMostOthers);
   if (!cell.leaf) cell.forget_shares();
 }
 
 bool FarField::holds_few(const Cell& cell) const {
   std::size_t inside = 0;
-  visit_unresolved(cell, [&](std::uint32_t index) {
+  const auto is_one_too_many = [&](std::uint32_t index) {
     inside += Aabb{cell.lo, cell.hi}.overlaps(tree_.elements()[index].box()) ? 1 : 0;
-  });
-  return inside <= kFewElements;
+    return inside > kFewElements;
+  };
+  for (const std::uint32_t index : cell.nodes) {
+    const SourceNode& node = tree_.node(index);
+    for (std::uint32_t i = 0; i < node.count; ++i) {
+      if (is_one_too_many(node.first + i)) return false;
+    }
+  }
+  return std::none_of(cell.elements.begin(), cell.elements.end(), is_one_too_many);
 }
 
 std::unique_ptr<FarField::Cell> FarField::make_child(const Cell& parent, int octant) const {
@@ -265,11 +276,19 @@ void FarField::add_grouped(std::span<const Vec3d> points, std::span<Out> sums) c
   }
 }
 
+template <class Out>
+void FarField::add_all(std::span<const Vec3d> points, std::span<Out> sums) const {
+  for (std::size_t first = 0; first < points.size(); first += kMostGathered) {
+    const std::size_t here = std::min(points.size() - first, kMostGathered);
+    add_grouped(points.subspan(first, here), sums.subspan(first, here));
+  }
+}
+
 void FarField::add(std::span<const Vec3d> points, std::span<Jet> sums) const {
-  add_grouped(points, sums);
+  add_all(points, sums);
 }
 void FarField::add(std::span<const Vec3d> points, std::span<double> sums) const {
-  add_grouped(points, sums);
+  add_all(points, sums);
 }
 
 }  // namespace cs2mesh

@@ -68,6 +68,8 @@ class FarField {
   class Sorter;
 
   template <class Out>
+  void add_all(std::span<const Vec3d> points, std::span<Out> sums) const;
+  template <class Out>
   void add_grouped(std::span<const Vec3d> points, std::span<Out> sums) const;
   /// Outside of all cells, where `leaf` is null, every element is summed.
   template <class Out>

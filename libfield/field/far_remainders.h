@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <vector>
 
 #include "libfield/integral/taylor_series.h"
@@ -38,6 +39,11 @@ class FarRemainders {
   /// The lowest order whose remainder is at most `most`; else the highest, whose error is infinite
   /// from q = 1 on. `c2` the square of c above, or larger.
   Truncation lowest_order(double q2, double c2, double most) const;
+  /// The error of the highest order, infinite from q = 1 on.
+  double least(double q2, double c2) const {
+    constexpr std::size_t last = kFarOrders.size() - 1;
+    return q2 < 1.0 ? error(last, q2, c2) : std::numeric_limits<double>::infinity();
+  }
   /// The error of that entry of kFarOrders, q2 < 1.
   double error(std::size_t order, double q2, double c2) const {
     return row_of(q2)[order] * aside_of(c2)[order];

@@ -70,7 +70,7 @@ OctantErrors FarField::Sorter::sort(const std::vector<std::uint32_t>& nodes,
   sum_up();
   cell_.listed = 0;
   for (const std::uint32_t element : cell_.elements) {
-    cell_.listed += field_.tree_.elements()[element].is_triangle() ? kTriangleWork : 1;
+    cell_.listed += field_.tree_.shape(element) == FarShape::triangle ? kTriangleWork : 1;
   }
   for (const std::uint32_t node : cell_.nodes) cell_.listed += field_.tree_.node(node).work();
   return errors_;
@@ -86,23 +86,20 @@ void FarField::Sorter::sort_every(std::size_t step, const std::vector<std::uint3
 }
 
 void FarField::Sorter::clear() {
-  for (ByOrder& by_order : clusters_) {
-    for (auto& sources : by_order) sources.clear();
-  }
+  for (auto& sources : clusters_) sources.clear();
   single_.clear(), taken_.clear(), taken_chords_.clear(), chords_.clear();
   cell_.nodes.clear(), cell_.elements.clear();
   errors_ = {};
 }
 
 void FarField::Sorter::sum_up() {
-  const BulkTable& table = bulk_table();
-  for (std::size_t i = 0; i < kFarOrders.size(); ++i) {
-    for (std::size_t j = 0; j < clusters_.size(); ++j) {
-      if (clusters_[j][i].empty()) continue;
-      table.add_sources(field_.two_nu_ + 2.0 * static_cast<double>(j), kFarOrders[i],
-                        clusters_[j][i].data(), clusters_[j][i].size(), cell_.series.data());
-    }
+  std::array<SourceList, kTauOrders> lists;
+  for (std::size_t j = 0; j < lists.size(); ++j) {
+    std::stable_sort(clusters_[j].begin(), clusters_[j].end(),
+                     [](const auto& a, const auto& b) { return a.order > b.order; });
+    lists[j] = {field_.two_nu_ + 2.0 * static_cast<double>(j), clusters_[j]};
   }
+  if (!clusters_[0].empty()) bulk_table().add_sources(lists, cell_.series.data());
   if (!taken_.empty() || !chords_.empty()) sum_up_elements();
 }
 
@@ -152,10 +149,10 @@ void FarField::Sorter::finish(double budget) {
   std::sort(all.begin(), all.end());
   cell_.points.clear(), cell_.near.clear(), cell_.lines.clear();
   for (const std::uint32_t element : all) {
-    const FarElement& shape = field_.tree_.elements()[element];
-    (shape.is_triangle() ? triangles
-     : shape.length > 0  ? segments
-                         : cell_.points)
+    const FarShape shape = field_.tree_.shape(element);
+    (shape == FarShape::triangle  ? triangles
+     : shape == FarShape::segment ? segments
+                                  : cell_.points)
         .push_back(element);
   }
   const double each =
@@ -250,21 +247,22 @@ FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, dou
   const SourceNode& node = field_.tree_.node(index);
   const Vec3d d = cell_.center - node.center;
   const double apart = norm(d), r = cell_.radius();
+  // Chords differ from triangle to triangle.
+  const bool alike = node.radius <= kAlike * apart && node.triangles == 0;
+  const bool few = node.count <= kFewElements;
+  if (!alike && !few) return Reach::mixed;
   const std::array<double, kOctantPairs> reach = octant_reach(d);
   const double farthest_reach = greatest(reach);
   const FarRemainders& remainders = field_.remainders_[0];
   const double most = 0.5 * each;
-  if (node.count <= kFewElements) {
+  if (few) {
     const double farthest = apart + node.radius;
     const double over = 1 / (farthest * farthest + node.tau + node.tau_spread);
     const double lightest = node.mass / node.count * half_power(field_.two_nu_, over);
     const double c2 = corner_share2(farthest_reach, over);
-    if (lightest * remainders.lowest_order(r * r * over, c2, most / lightest).error > most) {
-      return Reach::near;
-    }
+    if (lightest * remainders.least(r * r * over, c2) > most) return Reach::near;
+    if (!alike) return Reach::mixed;
   }
-  // Chords differ from triangle to triangle.
-  if (node.radius > kAlike * apart || node.triangles > 0) return Reach::mixed;
   const double nearest = apart - node.radius;
   const double over = 1 / (nearest * nearest + node.least_tau);
   const double heaviest = node.heaviest * half_power(field_.two_nu_, over);
@@ -278,7 +276,7 @@ FarField::Sorter::Reach FarField::Sorter::take_elements(std::uint32_t index, dou
   const auto rule = rule_for(node.longest, node.heaviest, near * near + node.least_tau, most);
   if (!rule) return Reach::mixed;
   for (std::uint32_t i = node.first; i < node.first + node.count; ++i) {
-    const bool segment = field_.tree_.elements()[i].length > 0;
+    const bool segment = field_.tree_.shape(i) == FarShape::segment;
     taken_.push_back({i,
                       {static_cast<std::uint8_t>(kFarOrders[cut.order]),
                        static_cast<std::uint8_t>(segment ? rule->entry : 0)}});
@@ -319,8 +317,6 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
     cut =
         field_.remainders_[static_cast<std::size_t>(j)].lowest_order(q * q, c * c, share / weight);
     if (!(weight * cut.error <= share)) return false;
-    // Those of every other order, so that fewer stand alone.
-    cut.order += static_cast<std::size_t>(kFarOrders[cut.order] % 2);
     weight *= spread * (nu + j) / (j + 1);
   }
 
@@ -336,10 +332,11 @@ bool FarField::Sorter::take_cluster(std::uint32_t index, const Vec3d& d, double 
     errors_[k] += size * error;
   }
   double factor = power;
+  const double unit = 1 / cell_.half;
   for (int j = 0; j < sets; ++j) {
     const auto k = static_cast<std::size_t>(j);
-    add_source(clusters_[k][truncation[k].order], d, s, factor, field_.tree_.moments(index, j),
-               node.radius);
+    clusters_[k].push_back({unit * d, s * unit * unit, factor, field_.tree_.moments(index, j),
+                            unit * node.radius, kFarOrders[truncation[k].order]});
     factor *= -(nu + j) / (j + 1) * spread;
   }
   return true;
@@ -353,7 +350,9 @@ double FarField::Sorter::spread_remainder(double q, double spread) const {
   const double nearest = (1 - q) * (1 - q);  // of |d + x|^2 + tau, relative to S
   const double ratio = spread / nearest * std::max(1.0, (nu + kTauOrders) / (kTauOrders + 1));
   if (!(ratio < 1)) return std::numeric_limits<double>::infinity();
-  return weight / (std::pow(nearest, nu + kTauOrders) * (1 - ratio)) * (1 + 1e-12);
+  double power = half_power(field_.two_nu_, nearest);
+  for (int j = 0; j < kTauOrders; ++j) power *= nearest;
+  return weight / (power * (1 - ratio)) * (1 + 1e-12);
 }
 
 /// Many are sorted at once, but no more than stay at hand.
@@ -366,7 +365,7 @@ void FarField::Sorter::add_single(std::uint32_t element, double each) {
 void FarField::Sorter::sort_single(double each) {
   if (field_.tree_.node(0).triangles > 0) {
     const auto is_triangle = [&](std::uint32_t index) {
-      return field_.tree_.elements()[index].is_triangle();
+      return field_.tree_.shape(index) == FarShape::triangle;
     };
     const auto first =
         std::stable_partition(single_.begin(), single_.end(), std::not_fn(is_triangle));
@@ -517,12 +516,6 @@ std::optional<FarField::Sorter::ChordChoice> FarField::Sorter::chords_for(
     choice.error += nodes->error;
   }
   return choice;
-}
-
-void FarField::Sorter::add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s,
-                                  double weight, const double* moments, double size) const {
-  const double unit = 1 / cell_.half;
-  sources.push_back({unit * d, s * unit * unit, weight, moments, size * unit});
 }
 
 }  // namespace cs2mesh

@@ -29,7 +29,6 @@ class FarField::Sorter {
   void finish(double budget);
 
  private:
-  using ByOrder = std::array<std::vector<SeriesSource>, kFarOrders.size()>;
   /// An element, or one of chords_, that goes into the series.
   struct Taken {
     std::uint32_t element;
@@ -71,8 +70,6 @@ class FarField::Sorter {
   double list_near(std::uint32_t segment, double each);
   void finish_triangles(const std::vector<std::uint32_t>& triangles, double budget);
   double list_triangle(std::uint32_t index, double s, double each);
-  void add_source(std::vector<SeriesSource>& sources, const Vec3d& d, double s, double weight,
-                  const double* moments, double size) const;
   void sum_up();
   void sum_up_elements();
   void add_taken(std::span<const Taken> taken, const SegmentSource* sources,
@@ -81,9 +78,9 @@ class FarField::Sorter {
   const FarField& field_;
   Cell& cell_;
   OctantErrors errors_{};
-  std::array<ByOrder, kTauOrders> clusters_;  ///< by the power of tau
-  std::vector<std::uint32_t> single_;         ///< elements that wait to be sorted one by one
-  std::vector<FarChoice> choices_;            ///< of these
+  std::array<std::vector<SeriesSource>, kTauOrders> clusters_;  ///< by the power of tau
+  std::vector<std::uint32_t> single_;  ///< elements that wait to be sorted one by one
+  std::vector<FarChoice> choices_;     ///< of these
   std::vector<Taken> taken_, taken_chords_;
   std::vector<FarChord> chords_;  ///< of triangles that go into the series
 };

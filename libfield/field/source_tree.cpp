@@ -118,6 +118,8 @@ SourceTree::SourceTree(std::vector<FarElement> elements) : elements_(std::move(e
   if (elements_.empty()) return;
   nodes_.reserve(elements_.size() / 4 + 4);
   build(0, static_cast<std::uint32_t>(elements_.size()));
+  shapes_.reserve(elements_.size());
+  for (const FarElement& element : elements_) shapes_.push_back(element.shape());
   first_moments_.resize(nodes_.size(), kNoMoments);
   const std::size_t sets = number_moments(0, 0);
   // Written once, by measure(): there may be a hundred megabytes.

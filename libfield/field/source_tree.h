@@ -17,6 +17,8 @@
 
 namespace cs2mesh {
 
+enum class FarShape : std::uint8_t { point, segment, triangle };
+
 /// A point (length 0), a segment from `a` to `b`, or (of some area) a triangle whose shortest edge
 /// is from `a` to `b`.
 struct FarElement {
@@ -32,6 +34,9 @@ struct FarElement {
   double mass() const { return std::abs(weight) * measure(); }
   double measure() const { return is_triangle() ? area : length > 0 ? length : 1.0; }
   bool is_triangle() const { return area > 0; }
+  FarShape shape() const {
+    return is_triangle() ? FarShape::triangle : length > 0 ? FarShape::segment : FarShape::point;
+  }
   Vec3d middle() const {
     const Vec3d half = 0.5 * (a + b);
     return is_triangle() ? half + (apex - half) / 3.0 : half;
@@ -86,6 +91,8 @@ class SourceTree {
   explicit SourceTree(std::vector<FarElement> elements);
 
   const std::vector<FarElement>& elements() const { return elements_; }
+  /// Of an element, which need not be looked up for that.
+  FarShape shape(std::uint32_t element) const { return shapes_[element]; }
   const SourceNode& node(std::uint32_t index) const { return nodes_[index]; }
   /// sum w t^j int (-q)^k / k! dq over the elements of a node, q from its centre in units of its
   /// radius, t from its tau in units of its spread; j < kTauOrders, 0 alone if there is no spread.
@@ -107,6 +114,7 @@ class SourceTree {
   void take_over(const SourceNode& node, std::uint32_t child, std::span<Series> moments) const;
 
   std::vector<FarElement> elements_;
+  std::vector<FarShape> shapes_;
   std::vector<SourceNode> nodes_;
   std::unique_ptr<Series[]> moments_;       ///< of all nodes
   std::vector<std::size_t> first_moments_;  ///< by node

@@ -250,7 +250,8 @@ struct BulkPack {
     visit_segments(segments, index, count, [&](std::size_t first, const Segments& some) {
       const Vec3<P> d{P(frame.center.x) - some.middle.x, P(frame.center.y) - some.middle.y,
                       P(frame.center.z) - some.middle.z};
-      const FarNodes<P> nodes(law.two_nu, frame, law.sums, d, some.half, some.weight, some.tau);
+      const FarNodes<P> nodes(law.two_nu, frame, law.sums, d, some.half,
+                              over_squared(squared_norm(some.half)), some.weight, some.tau);
       sum += select(nodes.entry > P(0), nodes.error, P(0));
       for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
         choices[first + lane] = static_cast<std::uint8_t>(nodes.entry.lane[static_cast<int>(lane)]);
@@ -313,52 +314,16 @@ struct BulkPack {
   }
 
   /// A source a lane.
-  CS2MESH_FLATTEN static void add_sources(double two_nu, int order, const SeriesSource* sources,
-                                          std::size_t count, double* series) {
-    using P = Pack<N>;
-    if (count == 0) return;
-    P sums[kSeriesSize], c[kSeriesSize], moments[kSeriesSize], clusters[kSeriesSize];
-    for (std::size_t first = 0; first < count; first += N) {
-      Vec3<P> d;
-      P s(1.0), weight(0.0);
-      for (std::size_t lane = 0; lane < N && first + lane < count; ++lane) {
-        const SeriesSource& source = sources[first + lane];
-        const int i = static_cast<int>(lane);
-        d.x.lane[i] = source.d.x, d.y.lane[i] = source.d.y, d.z.lane[i] = source.d.z;
-        s.lane[i] = source.s, weight.lane[i] = source.weight;
+  CS2MESH_FLATTEN static void add_sources(std::span<const SourceList> lists, double* series) {
+    ClusterSeries<Pack<N>, N> all;
+    for (const SourceList& list : lists) {
+      for (auto rest = list.sources; !rest.empty();) {
+        const std::size_t here = std::min<std::size_t>(N, rest.size());
+        all.add(list.two_nu, rest.first(here));
+        rest = rest.subspan(here);
       }
-      const auto add = [&](std::size_t place, const P& value) { sums[place] += value; };
-      kernel_series(two_nu, order, d, s, weight,
-                    [&](std::size_t place, const P& value) { c[place] = value; });
-      load_moments(order, sources + first, count - first, moments);
-      series_of_clusters(order, c, moments, clusters);
-      visit_powers(
-          [&](int a, int b, int e) {
-            const std::size_t place = series_index(a, b, e);
-            add(place, clusters[place]);
-          },
-          order);
     }
-    for (std::size_t k = 0; k < kSeriesSize; ++k) {
-      for (int lane = 0; lane < N; ++lane) series[k] += sums[k].lane[lane];
-    }
-  }
-
-  /// The moments in the unit of the series.
-  static void load_moments(int order, const SeriesSource* sources, std::size_t count,
-                           Pack<N>* moments) {
-    for (std::size_t lane = 0; lane < N; ++lane) {
-      const int i = static_cast<int>(lane);
-      const SeriesSource& source = sources[lane < count ? lane : 0];
-      double power[kTaylorOrder + 1] = {lane < count ? 1.0 : 0.0};
-      for (int n = 1; n <= kTaylorOrder; ++n) power[n] = power[n - 1] * source.size;
-      visit_powers(
-          [&](int a, int b, int e) {
-            const std::size_t k = series_index(a, b, e);
-            moments[k].lane[i] = source.moments[k] * power[a + b + e];
-          },
-          order);
-    }
+    all.add_to(series);
   }
 
   /// A source a lane; eight nodes integrate all powers that count along a segment exactly.

@@ -77,9 +77,10 @@ inline double node_ellipse(double half, double apart) {
 }
 
 /// rho^-2 of all places of a cube of that half edge, the least of them: r1 + r2 is convex, and so
-/// nowhere less than its tangent. d from the middle of the segment to the centre.
+/// nowhere less than its tangent. d from the middle of the segment to the centre; over_half = 1 /
+/// H.
 template <class T>
-T node_ellipse(const Vec3<T>& d, const Vec3<T>& half, const T& half_length, const T& tau,
+T node_ellipse(const Vec3<T>& d, const Vec3<T>& half, const T& over_half, const T& tau,
                double edge) {
   using std::abs;
   using std::max;
@@ -90,11 +91,12 @@ T node_ellipse(const Vec3<T>& d, const Vec3<T>& half, const T& half_length, cons
     const T squared = fma(v.x, v.x, fma(v.y, v.y, fma(v.z, v.z, tau)));
     return T(sqrt(max(squared, T(1e-280))));
   };
-  const T r1 = distance(a), r2 = distance(b), over1 = T(1) / r1, over2 = T(1) / r2;
+  const T r1 = distance(a), r2 = distance(b), over = T(1) / (r1 * r2);
+  const T over1 = over * r2, over2 = over * r1;
   const T slope = abs(a.x * over1 + b.x * over2) + abs(a.y * over1 + b.y * over2) +
                   abs(a.z * over1 + b.z * over2);
   const T sum = (r1 + r2 - T(edge) * slope) * T(1 - 1e-12);
-  const T axis = max(sum / (half_length + half_length), T(1));
+  const T axis = max(sum * (T(0.5) * over_half), T(1));
   const T rho = axis + sqrt(axis * axis - T(1));
   return T(1) / (rho * rho);
 }

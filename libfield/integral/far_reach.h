@@ -120,15 +120,23 @@ T far_power(double two_nu, const T& x) {
   return two_nu == 4.0 ? T(x * x) : two_nu == 2.0 ? x : T(sqrt(x));
 }
 
+/// 1 / |half|^2, less of points.
+template <class T>
+T over_squared(const T& half2) {
+  using std::max;
+  return T(1) / max(half2, T(1e-280));
+}
+
 inline constexpr double kCorner = 1.7320508075688774;  ///< of a cube, from its centre
 
-/// The squared distance of the segment from -half to half, or of a point, to d.
+/// The squared distance of the segment from -half to half to d; over_half2 = 1 / |half|^2, or less
+/// of a point.
 template <class T>
-T distance2(const Vec3<T>& d, const Vec3<T>& half) {
+T distance2(const Vec3<T>& d, const Vec3<T>& half, const T& over_half2) {
   using std::max;
   using std::min;
   const T along = fma(d.x, half.x, fma(d.y, half.y, d.z * half.z));
-  const T foot = max(min(T(along / max(squared_norm(half), T(1e-280))), T(1)), T(-1));
+  const T foot = max(min(T(along * over_half2), T(1)), T(-1));
   return squared_norm<T>({d.x - foot * half.x, d.y - foot * half.y, d.z - foot * half.z});
 }
 
@@ -139,18 +147,17 @@ struct FarNodes {
 
   template <std::size_t Count>
   FarNodes(double two_nu, const FarFrame& frame, const NodeBounds<Count>& bounds, const Vec3<T>& d,
-           const Vec3<T>& half, const T& weight, const T& tau) {
+           const Vec3<T>& half, const T& over_half2, const T& weight, const T& tau) {
     using std::abs;
-    using std::max;
     using std::sqrt;
-    const T half2 = max(squared_norm(half), T(1e-280));
-    const T y = node_ellipse(d, half, T(sqrt(half2)), tau, frame.half);
-    const T size = abs(weight) * far_power(two_nu, T(T(4) * y / half2));
+    const T y = node_ellipse(d, half, T(sqrt(over_half2)), tau, frame.half);
+    const T size = abs(weight) * far_power(two_nu, T(T(4) * y * over_half2));
     MaskOf<T> open(true);
     if (two_nu != 4.0) {
       // Within less than half of its length a segment may be clamped.
-      const T nearest = sqrt(distance2(d, half)) - T(kCorner * (1 + 1e-12) * frame.half);
-      open = nearest * abs(nearest) >= half2;
+      const T nearest =
+          sqrt(distance2(d, half, over_half2)) - T(kCorner * (1 + 1e-12) * frame.half);
+      open = nearest * abs(nearest) * over_half2 >= T(1 + 1e-12);
     }
     T over(0), under(1), power(1);
     int nodes = 0;
@@ -177,49 +184,53 @@ class FarSegments {
               const Vec3<T>& half, const T& weight, const T& tau)
       : law_(law) {
     using std::abs;
-    using std::max;
-    using std::min;
     using std::sqrt;
     const Vec3<T> d{T(frame.center.x) - middle.x, T(frame.center.y) - middle.y,
                     T(frame.center.z) - middle.z};
-    over_ = T(1) / (distance2(d, half) + tau);
+    const T half2 = squared_norm(half), over_half2 = over_squared(half2);
+    const auto segment = half2 > T(0);
+    const bool has_segments = any(segment);
+    over_ = T(1) / ((has_segments ? distance2(d, half, over_half2) : squared_norm(d)) + tau);
     size_ = abs(weight) * far_power(law.two_nu, over_);
-    const double radius = kCorner * frame.half * (1 + 1e-12);
-    const T q = T(radius) * sqrt(over_);
-    find_order(q, T(frame.most), ends(d, half));
-    const FarNodes<T> nodes(law.two_nu, frame, law.rules, d, half, weight, tau);
-    const auto segment = squared_norm(half) > T(0);
-    const auto is_far = (order > T(0)) & ((!segment) | (nodes.entry > T(0)));
+    const T q = T(kCorner * frame.half * (1 + 1e-12)) * sqrt(over_);
+    find_order(q, T(frame.most), has_segments ? ends(d, half) : corners(octant_reach(d)));
+    if (!has_segments) return;
+    const FarNodes<T> nodes(law.two_nu, frame, law.rules, d, half, over_half2, weight, tau);
+    const auto is_far = (!segment) | (nodes.entry > T(0));
     order = select(is_far, order, T(0));
     rule = select(segment, nodes.entry, T(0));
+    const auto adds = segment & (order > T(0));
     for (T& sum : errors) {
-      sum = select(is_far, T(sum + select(segment, nodes.error, T(0))), T(0));
+      sum = select(is_far, T(sum + select(adds, nodes.error, T(0))), T(0));
     }
   }
 
  private:
-  /// c^2 by pairs of octants, of all places on the segments: what it depends on is convex.
+  /// c^2 by pairs of octants, of places of that reach.
+  std::array<T, kOctantPairs> corners(const std::array<T, kOctantPairs>& reach) const {
+    std::array<T, kOctantPairs> c2;
+    const T unit = over_ * T((1 + 1e-12) / 3);
+    for (std::size_t k = 0; k < kOctantPairs; ++k) c2[k] = reach[k] * reach[k] * unit;
+    return c2;
+  }
+
+  /// c^2 of all places on the segments: what it depends on is convex.
   std::array<T, kOctantPairs> ends(const Vec3<T>& d, const Vec3<T>& half) const {
     using std::max;
     const auto a = octant_reach<T>({d.x + half.x, d.y + half.y, d.z + half.z});
     const auto b = octant_reach<T>({d.x - half.x, d.y - half.y, d.z - half.z});
-    std::array<T, kOctantPairs> c2;
-    for (std::size_t k = 0; k < kOctantPairs; ++k) {
-      const T most = max(a[k], b[k]);
-      c2[k] = most * most * over_ * T((1 + 1e-12) / 3);
-    }
-    return c2;
+    std::array<T, kOctantPairs> most;
+    for (std::size_t k = 0; k < kOctantPairs; ++k) most[k] = max(a[k], b[k]);
+    return corners(most);
   }
 
   /// The bound at c without its degree, as FarTerm has it.
   struct Aside {
     T factor, cot2;
   };
-  Aside aside(const T& c2) const {
-    using std::max;
+  /// From 1 / sin^2.
+  Aside aside(const T& c2, const T& over) const {
     using std::sqrt;
-    // Nearer to a corner, that is more than the binomial.
-    const T over = T(1) / max(T(1) - c2, T(1e-6));
     return {law_.two_nu == 4.0   ? T(0.5) * over
             : law_.two_nu == 2.0 ? sqrt(over)
                                  : sqrt(sqrt(over)),
@@ -230,14 +241,25 @@ class FarSegments {
     using std::max;
     using std::min;
     using std::sqrt;
-    T greatest(1e-280);
-    for (const T& one : c2) greatest = max(greatest, one);
-    const Aside worst = aside(greatest);
-    const T to_corner = q * sqrt(greatest), limit = most / size_;
-    // At the degree where a lane ends: q^m and the binomials times that and (c q)^m; factors.
+    static_assert(kOctantPairs == 4);
+    std::array<T, kOctantPairs> sin2, over;
+    // Nearer to a corner, the bound at c is more than the binomial.
+    for (std::size_t k = 0; k < kOctantPairs; ++k) sin2[k] = max(T(1) - c2[k], T(1e-6));
+    const T first = sin2[0] * sin2[1], second = sin2[2] * sin2[3];
+    const T inverse = T(1) / (first * second);
+    over = {inverse * second * sin2[1], inverse * second * sin2[0], inverse * first * sin2[3],
+            inverse * first * sin2[2]};
+    T greatest(1e-280), steepest(1);
+    for (std::size_t k = 0; k < kOctantPairs; ++k) {
+      greatest = max(greatest, c2[k]), steepest = max(steepest, over[k]);
+    }
+    const Aside worst = aside(greatest, steepest);
+    const T to_corner = q * sqrt(greatest);
+    // Of the degree where a lane ends: q^m and the binomials times that and (c q)^m; factors. All
+    // times the size.
     T all(0), plain(0), aimed(0), alone(0), cot2(0), rest(0);
     MaskOf<T> open = size_ > T(0);
-    T term(1), power(1), directed(1);
+    T term = size_, power = size_, directed = size_;
     for (int m = 1; m <= kTaylorOrder + 1; ++m) {
       const FarTerm& by = law_.terms[static_cast<std::size_t>(m)];
       power *= q;
@@ -247,19 +269,20 @@ class FarSegments {
       const T left = fma(q, T(-by.rest), T(1));
       const T at_c = power * worst.factor * fma(worst.cot2, T(by.cot2), T(by.alone));
       const T ahead = directed * T(by.turn);
-      const auto ends = open & (min(term, max(at_c, ahead)) <= limit * left);
+      const auto ends = open & (min(term, max(at_c, ahead)) <= most * left);
       all = select(ends, term, all), plain = select(ends, power, plain);
       aimed = select(ends, ahead, aimed), alone = select(ends, T(by.alone), alone);
       cot2 = select(ends, T(by.cot2), cot2), rest = select(ends, left, rest);
       order = select(ends, T(m - 1), order);
       open = open & !ends;
     }
-    const T scale = size_ / max(rest, T(1e-280)) * T(1 + 1e-12);
+    const T scale = T(1 + 1e-12) / max(rest, T(1e-280)), to_greatest = T(1) / greatest;
+    const auto is_far = order > T(0);
     for (std::size_t k = 0; k < kOctantPairs; ++k) {
-      const Aside side = aside(c2[k]);
+      const Aside side = aside(c2[k], over[k]);
       const T at_c = plain * side.factor * fma(side.cot2, cot2, alone);
-      const T ahead = aimed * to_half(c2[k] / greatest, T(order + T(1)));
-      errors[k] = scale * min(all, max(at_c, ahead));
+      const T ahead = aimed * to_half(min(c2[k] * to_greatest, T(1)), T(order + T(1)));
+      errors[k] = select(is_far, T(scale * min(all, max(at_c, ahead))), T(0));
     }
   }
 

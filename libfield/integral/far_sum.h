@@ -20,6 +20,13 @@ struct SeriesSource {
   /// sum w (-q)^k / k! over the parts w at q (from the source's centre, in units of `size`).
   const double* moments = nullptr;
   double size = 1;
+  int order = kTaylorOrder;  ///< at which its series may end
+};
+
+/// Clusters of one exponent, by falling order.
+struct SourceList {
+  double two_nu = 0.0;
+  std::span<const SeriesSource> sources;
 };
 
 /// A rule for segments that go into a series: the nodes as parts of their halves, and of their
@@ -74,9 +81,8 @@ struct SeriesFrame {
 using AddNodes = void (*)(double two_nu, const SeriesFrame& frame, const SegmentSource* segments,
                           const NodeLists& lists, double* sums);
 
-/// Adds the series of the sources to `series`, up to that order.
-using AddSources = void (*)(double two_nu, int order, const SeriesSource* sources,
-                            std::size_t count, double* series);
+/// Adds the series of the sources to `series`, each up to its order or a higher one.
+using AddSources = void (*)(std::span<const SourceList> lists, double* series);
 
 /// Powers of tau's differences that moments are kept for, 0 included.
 inline constexpr int kTauOrders = 3;
@@ -155,20 +161,23 @@ inline constexpr std::array<double, kSeriesSize> kInverseFactorials = [] {
   return all;
 }();
 
-/// Adds to series_of_clusters()' sums, times k!, those products whose longest row has M + 1
-/// coefficients, and all with shorter ones. Sorted so, the innermost loops have fixed lengths.
+/// Adds (k + m)! c_(k + m) M_m, |k + m| <= order, to k! out_k: those products whose longest row has
+/// M + 1 coefficients, and all with shorter ones. Sorted so, the innermost loops have fixed
+/// lengths.
 template <int M, class T>
 void add_products(int order, const T* derivative, const T* moments, T* out) {
   const int total = order - M;  // < 0 where there is no such row
   for (int i = 0; i <= total; ++i) {
     for (int j = 0; i + j <= total; ++j) {
-      const T* moment = moments + series_index(i, j, 0);
+      // Copies, as the compiler cannot know that the sums are elsewhere.
+      T moment[M + 1];
+      for (int k = 0; k <= M; ++k) moment[k] = moments[series_index(i, j, k)];
       for (int a = 0; i + j + a <= total; ++a) {
         const int b = total - i - j - a;
-        const T* from = derivative + series_index(a + i, b + j, 0);
+        const T* row = derivative + series_index(a + i, b + j, 0);
         T* sums = out + series_index(a, b, 0);
-        T sum[M + 1];
-        for (int e = 0; e <= M; ++e) sum[e] = sums[e];
+        T sum[M + 1], from[M + 1];
+        for (int e = 0; e <= M; ++e) sum[e] = sums[e], from[e] = row[e];
 #pragma GCC unroll 16
         for (int k = 0; k <= M; ++k) {
 #pragma GCC unroll 16
@@ -181,25 +190,61 @@ void add_products(int order, const T* derivative, const T* moments, T* out) {
   if constexpr (M > 0) add_products<M - 1>(order, derivative, moments, out);
 }
 
-/// The series of clusters from that of their centres, lane by lane, into `out`:
+/// The sum of the series of clusters, N of them at once: from that of its centre, c,
 ///     out_k = 1 / k! sum_m (k + m)! c_(k + m) M_m, |k + m| <= order.
-template <class T>
-void series_of_clusters(int order, const T* c, const T* moments, T* out) {
-  std::array<T, kSeriesSize> derivative;
-  const auto differentiate = [&](int a, int b, int e) {
-    const std::size_t place = series_index(a, b, e);
-    derivative[place] = c[place] * T(kFactorials[place]);
-    out[place] = T(0);
-  };
-  visit_powers(differentiate, order);
-  add_products<kTaylorOrder>(order, derivative.data(), moments, out);
-  visit_powers(
-      [&](int a, int b, int e) {
-        const std::size_t place = series_index(a, b, e);
-        out[place] *= T(kInverseFactorials[place]);
-      },
-      order);
-}
+template <class P, std::size_t N>
+class ClusterSeries {
+ public:
+  /// Adds up to N, up to the order of the first.
+  void add(double two_nu, std::span<const SeriesSource> sources) {
+    const int order = sources[0].order;
+    Vec3<P> d;
+    P s(1.0), weight(0.0), size(1.0);
+    std::array<const double*, N> moments;
+    moments.fill(sources[0].moments);  // times 0
+    for (std::size_t lane = 0; lane < sources.size(); ++lane) {
+      const SeriesSource& source = sources[lane];
+      const int i = static_cast<int>(lane);
+      d.x.lane[i] = source.d.x, d.y.lane[i] = source.d.y, d.z.lane[i] = source.d.z;
+      s.lane[i] = source.s, weight.lane[i] = source.weight, size.lane[i] = source.size;
+      moments[lane] = source.moments;
+    }
+    kernel_series(two_nu, order, d, s, weight, [&](std::size_t place, const P& value) {
+      derivative_[place] = value * P(kFactorials[place]);
+    });
+    load_moments(order, moments, size);
+    add_products<kTaylorOrder>(order, derivative_, moments_, sums_);
+  }
+
+  void add_to(double* series) const {
+    for (std::size_t k = 0; k < kSeriesSize; ++k) {
+      double sum = 0.0;
+      for (std::size_t lane = 0; lane < N; ++lane) sum += sums_[k].lane[static_cast<int>(lane)];
+      series[k] += kInverseFactorials[k] * sum;
+    }
+  }
+
+ private:
+  /// In the unit of the series.
+  void load_moments(int order, const std::array<const double*, N>& moments, const P& size) {
+    P power[kTaylorOrder + 1];
+    power[0] = P(1);
+    for (int n = 1; n <= order; ++n) power[n] = power[n - 1] * size;
+    const auto load = [&](int a, int b, int e) {
+      const std::size_t k = series_index(a, b, e);
+      P moment;
+#pragma GCC unroll 8
+      for (std::size_t lane = 0; lane < N; ++lane) {
+        moment.lane[static_cast<int>(lane)] = moments[lane][k];
+      }
+      moments_[k] = moment * power[a + b + e];
+    };
+    visit_powers(load, order);
+  }
+
+  P derivative_[kSeriesSize], moments_[kSeriesSize];
+  P sums_[kSeriesSize];  ///< times k!
+};
 
 }  // namespace detail
 }  // namespace cs2mesh
