@@ -82,7 +82,10 @@ class PartCertifier {
     options_.tolerance = fineness.tolerance;
     options_.enough = enough;
     options_.hopeless = kHopeless;
-    if (enough < 1) options_.rounds = 1;
+    if (enough < 1) {
+      options_.rounds = 1;
+      options_.worth = 0.5;
+    }
     options_.progress = &console.progress();
   }
 

@@ -430,7 +430,7 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
   std::optional<Proof> cut_proof = prove_in_parts(finer, further);
   if (!cut_proof) return interrupted();
   Proof last = std::move(*cut_proof);
-  if (area_in_doubt(last) < least) {
+  if (area_in_doubt(last) < options.worth * least) {
     mesh = finer;
     best = last;
     least = area_in_doubt(last);
