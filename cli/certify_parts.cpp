@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdio>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 #include "cli/interrupt.h"
 #include "cli/output_files.h"
@@ -63,26 +64,79 @@ void append_box(TriangleMesh& mesh, const Aabb& box) {
   }
 }
 
-}  // namespace
-
-std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
-                                           const Fineness& fineness, bool refine,
-                                           Console& console) {
-  constexpr double kNeck = 1.0 / 64;  // of the thinnest radius: what necks and gaps are larger than
-  std::vector<PartCertificate> certificates;
-  for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
-    const Part& part = compiled.parts[meshed.parts_of[i].front()];
+/// Certifies a part, with a mesh that can be certified if that one cannot.
+class PartCertifier {
+ public:
+  /// `enough`: the share of the area from which on the mesh stays what it is.
+  PartCertifier(const Part& part, const Fineness& fineness, double enough, Console& console)
+      : part_(part), fineness_(fineness), console_(console) {
+    constexpr double kNeck =
+        1.0 / 64;  // of the thinnest radius: what necks and gaps are larger than
+    // Where the tolerance is as large as what the surface consists of, cutting triangles makes many
+    // more of them than a mesh has that is made to a part of the tolerance.
+    constexpr double kHopeless = 0.8;
     TopologyProof::Options proof;
     proof.smallest = kNeck * length_scale(part);
     proof.progress = &console.progress();
-    const TopologyProof topology = console.take(TopologyProof::build(*part.surface, proof));
-    CertifyOptions options;
-    options.tolerance = fineness.tolerance;
-    options.progress = &console.progress();
-    TriangleMesh& mesh = meshed.model.parts[i].mesh;
+    topology_.emplace(console.take(TopologyProof::build(*part.surface, proof)));
+    options_.tolerance = fineness.tolerance;
+    options_.enough = enough;
+    options_.hopeless = kHopeless;
+    if (enough < 1) {
+      options_.rounds = 1;
+      options_.worth = 0.5;
+    }
+    options_.progress = &console.progress();
+  }
+
+  Certificate certify(TriangleMesh& mesh, PartLog& log) {
+    if (options_.enough == 0) {
+      return console_.take(cs2mesh::certify(*part_.surface, mesh, *topology_, options_));
+    }
+    Certificate best = refined(mesh);
+    if (best.share() < options_.hopeless) mesh_finer(mesh, log, best);
+    return best;
+  }
+
+ private:
+  Certificate refined(TriangleMesh& mesh) {
+    return console_.take(certify_refined(*part_.surface, mesh, *topology_, options_));
+  }
+
+  void mesh_finer(TriangleMesh& mesh, PartLog& log, Certificate& best) {
+    constexpr double kFiner = 0.25;
+    Fineness finer = fineness_;
+    finer.tolerance *= kFiner;
+    Result<MesherResult> made = mesh_part(part_, finer, console_);
+    console_.stop_if_interrupted();
+    if (!made || !made->reached || made->mesh.empty()) return;
+    Certificate then = refined(made->mesh);
+    if (!(then.share() > best.share())) return;
+    best = std::move(then);
+    mesh = std::move(made->mesh);
+    log.cell = made->cell;
+    log.error = made->error;
+    log.unresolved_cells = made->unresolved_cells;
+  }
+
+  const Part& part_;
+  const Fineness& fineness_;
+  Console& console_;
+  std::optional<TopologyProof> topology_;
+  CertifyOptions options_;
+};
+
+}  // namespace
+
+std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
+                                           const Fineness& fineness, double enough,
+                                           Console& console) {
+  std::vector<PartCertificate> certificates;
+  for (std::size_t i = 0; i < meshed.model.parts.size(); ++i) {
+    const Part& part = compiled.parts[meshed.parts_of[i].front()];
+    PartCertifier certifier(part, fineness, enough, console);
     certificates.push_back(
-        {part.name, console.take(refine ? certify_refined(*part.surface, mesh, topology, options)
-                                        : certify(*part.surface, mesh, topology, options))});
+        {part.name, certifier.certify(meshed.model.parts[i].mesh, meshed.log[i])});
   }
   return certificates;
 }
@@ -166,9 +220,11 @@ std::vector<PartCertificate> certify_if_asked(MeshedScene& meshed, const Compile
                                               const Fineness& fineness, const MeshRequest& request,
                                               Json report, Console& console) {
   if (!request.wants_certificate()) return {};
-  const bool refine = request.certify && !(fineness.cell > 0) && !fineness.budgeted;
+  constexpr double kNearlyAll = 0.9992;
+  const bool as_it_is = fineness.cell > 0 || fineness.budgeted;
+  const double enough = as_it_is ? 0.0 : request.certify ? 1.0 : kNearlyAll;
   std::vector<PartCertificate> certificates =
-      certify_parts(meshed, compiled, fineness, refine, console);
+      certify_parts(meshed, compiled, fineness, enough, console);
   console.say(summary(certificates));
   if (!request.certificate.empty()) {
     const WhileWriting guard;

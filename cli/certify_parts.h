@@ -15,11 +15,13 @@ struct PartCertificate {
   Certificate certificate;
 };
 
-/// Certifies every part by itself, before parts are united; with `refine` their triangles are cut
-/// where nothing can be proven of them as they are. Throws Exit where that is interrupted or takes
-/// more cells than there may be.
+/// Certifies every part by itself, before parts are united. Of one with less than the share
+/// `enough` of its area certified, triangles are cut where nothing can be proven of them as they
+/// are; with less than 80 % it is first meshed anew, to a quarter of the tolerance. Throws Exit
+/// where that is interrupted or takes more cells than there may be.
 std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
-                                           const Fineness& fineness, bool refine, Console& console);
+                                           const Fineness& fineness, double enough,
+                                           Console& console);
 
 /// The part of all processor time so far that proofs took, 0..1: their stages are `topology` and
 /// `certify`.
@@ -39,9 +41,10 @@ std::string summary(const std::vector<PartCertificate>& certificates);
 Model picture_of_doubts(const MeshedScene& meshed,
                         const std::vector<PartCertificate>& certificates);
 
-/// Certifies the parts if that was asked for, and writes the picture if that was. With --certify
-/// their triangles are cut where that helps, unless their cells or number are set; it throws
-/// Exit{kToleranceMissed}, the report delivered, if anything is in doubt.
+/// Certifies the parts if that was asked for, and writes the picture if that was. Unless their
+/// cells or number are set, meshes are made finer where that helps, with --certificate alone those
+/// of which less than 99.92 % are certified. --certify throws Exit{kToleranceMissed}, the report
+/// delivered, if anything is in doubt.
 std::vector<PartCertificate> certify_if_asked(MeshedScene& meshed, const CompiledScene& compiled,
                                               const Fineness& fineness, const MeshRequest& request,
                                               Json report, Console& console);

@@ -28,10 +28,7 @@ TriangleMesh mesh_with_cell(const Part& part, double cell, PartLog& log, Console
 TriangleMesh mesh_within_tolerance(const Part& part, const Fineness& fineness, PartLog& log,
                                    Console& console) {
   const double tolerance = fineness.tolerance;
-  MesherRequest request = request_for(part, tolerance, &console.progress());
-  request.min_feature = fineness.min_feature;
-  request.balance = fineness.balance;
-  MesherResult result = console.take(fineness.mesher->mesh(*part.surface, request));
+  MesherResult result = console.take(mesh_part(part, fineness, console));
   if (!result.reached) {
     // Infinite where triangles cross or nothing brings them near.
     const std::string what = std::isfinite(result.error)
@@ -71,6 +68,13 @@ Fineness fineness_of(const MeshRequest& request, const Scene& scene,
     fineness.cell = *scene.mesh.cell;
   }
   return fineness;
+}
+
+Result<MesherResult> mesh_part(const Part& part, const Fineness& fineness, Console& console) {
+  MesherRequest request = request_for(part, fineness.tolerance, &console.progress());
+  request.min_feature = fineness.min_feature;
+  request.balance = fineness.balance;
+  return fineness.mesher->mesh(*part.surface, request);
 }
 
 MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const Fineness& fineness,

@@ -42,6 +42,9 @@ struct MeshedScene {
   std::vector<PartLog> swallowed;  ///< parts that lie inside of others
 };
 
+/// One part, with the fineness's mesher; that may end short of the tolerance.
+Result<MesherResult> mesh_part(const Part& part, const Fineness& fineness, Console& console);
+
 /// Meshes every part. Throws Exit, everything having been said, where a tolerance is missed or
 /// nothing is there to mesh.
 MeshedScene mesh_parts(const CompiledScene& compiled, const Scene& scene, const Fineness& fineness,

@@ -86,7 +86,8 @@ void add_proof_options(CLI::App& app, MeshRequest& request) {
                    "any of it could not be proven");
   CLI::Option* certificate =
       app.add_option("--certificate", request.certificate,
-                     "prove it likewise, and write to this PLY file what could not be proven")
+                     "prove it likewise, finer only where less than 99.92 % of the area is proven, "
+                     "and write to this PLY file what could not be")
           ->type_name("FILE");
   app.add_flag("--no-check{false}", request.self_intersections,
                "leave out the search for self-intersections")

@@ -6,12 +6,18 @@
 // and about a point with a known gradient it is at least G(p) + g . d - bend / 2 |d|^2. Both are
 // equalities for the logarithm of one Gaussian over a point. What is between them and the function
 // falls with the square of the triangle's size.
+//
+// Where G has kinks, as at the corners of strength profiles and the creases of solids, it is
+// bounded by its slopes: if all gradients lie in a box S, so do their limits from the sides of a
+// kink, and by the mean value theorem G(x) - G(p) lies in S . (x - p). What that leaves open is a
+// multiple of the size by how much the gradient turns.
 #pragma once
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 
+#include "libfield/base/interval.h"
 #include "libfield/base/vec.h"
 
 namespace cs2mesh {
@@ -100,6 +106,42 @@ inline double lowest_over(const std::array<Tangent, 3>& tangents, double bend) {
     }
   }
   return least;
+}
+
+/// Contains G(to) - G(from), if all gradients in between lie within `slopes`.
+inline Interval change_between(const Vec3d& from, const Vec3d& to,
+                               const std::array<Interval, 3>& slopes) {
+  Interval change(0.0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    change = change + slopes[i] * (Interval(to[i]) - Interval(from[i]));
+  }
+  return change;
+}
+
+/// Contains G less some value at each corner, over the triangle: each point by the corner that it
+/// weighs most, as over such a third the change is extreme at one of its corners.
+inline Interval range_over(const Corners& p, const std::array<double, 3>& at,
+                           const std::array<Interval, 3>& slopes) {
+  const Vec3d center = (p[0] + p[1] + p[2]) / 3.0;
+  Interval range(at[0]);
+  for (std::size_t i = 0; i < 3; ++i) {
+    Interval change = change_between(p[i], center, slopes);
+    for (const std::size_t j : {(i + 1) % 3, (i + 2) % 3}) {
+      change = hull(change, change_between(p[i], 0.5 * (p[i] + p[j]), slopes));
+    }
+    range = hull(range, Interval(at[i]) + hull(change, Interval(0.0)));
+  }
+  return range;
+}
+
+/// >= G over the triangle, where it is at most `high`, and <= G, where it is at least `low`.
+inline double highest_over(const Corners& p, const std::array<double, 3>& high,
+                           const std::array<Interval, 3>& slopes) {
+  return range_over(p, high, slopes).hi;
+}
+inline double lowest_over(const Corners& p, const std::array<double, 3>& low,
+                          const std::array<Interval, 3>& slopes) {
+  return range_over(p, low, slopes).lo;
 }
 
 }  // namespace cs2mesh

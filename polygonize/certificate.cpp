@@ -171,7 +171,7 @@ double area_in_doubt(const TriangleMesh& mesh, const ShellCertifier& certifier) 
   const std::vector<Doubt> doubts = certifier.doubts();
   double area = 0.0;
   for (std::size_t t = 0; t < doubts.size(); ++t) {
-    if (doubts[t] == Doubt::distance || doubts[t] == Doubt::fold) {
+    if (may_be_cut(doubts[t])) {
       area += norm(area_vector(mesh, t));
     }
   }
@@ -319,6 +319,74 @@ TriangleMesh cut_without_crossing(const ImplicitSurface& surface, const Triangle
   return mesh;
 }
 
+/// How many times as many triangles a mesh may come to have.
+constexpr std::size_t kMostGrowth = 4;
+
+using Triangle3 = std::array<TriangleMesh::Index, 3>;
+
+/// The triangles that are proven, as wholes or in parts; sorted.
+std::vector<Triangle3> settled_by(const TriangleMesh& mesh, const Proof& proof) {
+  std::vector<char> open(mesh.triangles.size(), 0);
+  const std::vector<Doubt> doubts = proof.certifier.doubts();
+  for (std::size_t i = 0; i < doubts.size(); ++i) {
+    if (doubts[i] != Doubt::none) open[proof.parts.whole[i]] = 1;
+  }
+  std::vector<Triangle3> settled;
+  for (std::size_t t = 0; t < open.size(); ++t) {
+    if (open[t] == 0) settled.push_back(mesh.triangles[t]);
+  }
+  std::sort(settled.begin(), settled.end());
+  return settled;
+}
+
+/// Cuts what a proof leaves in doubt some times before it asks of parts again: real cuts bring the
+/// mesh nearer to the surface. What is settled stays, but beside what is not. False if the user
+/// wants to stop.
+bool cut_at_large(const ImplicitSurface& surface, TriangleMesh& mesh, ShellCertifier& certifier,
+                  const Proof& proof, const CertifyOptions& options) {
+  constexpr int kMostRounds = 5;
+  constexpr double kMuch = 0.5, kWorthIt = 0.9;
+  // Where parts do not help, neighbours have to be smaller as well.
+  constexpr double kHelp = 1.0 / 3;
+  const bool parts_help = area_in_doubt(proof) < kHelp * area_in_doubt(mesh, certifier);
+  const std::vector<Triangle3> settled =
+      parts_help ? settled_by(mesh, proof) : std::vector<Triangle3>{};
+  const auto touches = [](const std::vector<char>& vertices, const Triangle3& corners) {
+    return vertices[corners[0]] + vertices[corners[1]] + vertices[corners[2]] > 0;
+  };
+  const std::size_t most_triangles = kMostGrowth * mesh.triangles.size();
+  std::vector<std::uint32_t> triangles =
+      parts_help ? worth_cutting(proof) : certifier.worth_cutting();
+  const double much = kMuch * (1 - options.enough) * area(mesh);
+  double least = std::numeric_limits<double>::infinity();
+  for (int round = 0; round < kMostRounds && least > much; ++round) {
+    TriangleMesh finer = cut_without_crossing(surface, mesh, triangles, options);
+    const std::size_t count = finer.triangles.size();
+    if (count == mesh.triangles.size() || count > most_triangles) break;
+    ShellCertifier further = certifier;
+    if (!further.run(finer)) return false;
+    flip_edges(finer, further);
+    const std::vector<Doubt> doubts = further.doubts();
+    double left = 0.0;
+    std::vector<char> open(finer.positions.size(), 0);  // vertices of what is neither
+    for (std::size_t t = 0; t < doubts.size(); ++t) {
+      const auto& corners = finer.triangles[t];
+      if (!may_be_cut(doubts[t]) || std::binary_search(settled.begin(), settled.end(), corners)) {
+        continue;
+      }
+      left += norm(area_vector(finer, t));
+      for (const auto v : corners) open[v] = 1;
+    }
+    if (left > kWorthIt * least) break;
+    mesh = std::move(finer);
+    certifier = std::move(further);
+    least = left;
+    triangles = certifier.worth_cutting();
+    std::erase_if(triangles, [&](std::uint32_t t) { return !touches(open, mesh.triangles[t]); });
+  }
+  return true;
+}
+
 Result<Certificate> interrupted() {
   return error_at({}, "interrupted", Failure::interrupted);
 }
@@ -342,22 +410,33 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
           "certify_refined: the tolerance must be positive");
   // Rounds that leave much of the area in doubt are not worth it, but may lead to others that do
   // not; so the more is in doubt, the longer is that hoped for.
-  constexpr int kMostRounds = 16, kPatience = 3;
+  constexpr int kPatience = 3;
   constexpr double kWorthIt = 0.8, kMuch = 0.005;
-  constexpr std::size_t kMostGrowth = 4;
   const std::size_t most_triangles = kMostGrowth * mesh.triangles.size();
   ShellCertifier further(surface, options.tolerance, options.progress);
   if (!further.run(mesh)) return interrupted();
-  flip_edges(mesh, further);
   std::optional<Proof> best = prove_in_parts(mesh, further);
   if (!best) return interrupted();
+  const double whole = area(mesh), much = kMuch * whole;
+  const double enough = (1 - options.enough) * whole;
+  double least = area_in_doubt(*best);
+  if (least <= enough || least > (1 - options.hopeless) * whole) {
+    return certificate_of(mesh, *best, topology);
+  }
   // Rounds that do not help are taken back.
   TriangleMesh finer = mesh;
-  Proof last = *best;
-  const double much = kMuch * area(mesh);
-  double least = area_in_doubt(*best);
+  flip_edges(finer, further);
+  if (!cut_at_large(surface, finer, further, *best, options)) return interrupted();
+  std::optional<Proof> cut_proof = prove_in_parts(finer, further);
+  if (!cut_proof) return interrupted();
+  Proof last = std::move(*cut_proof);
+  if (area_in_doubt(last) < options.worth * least) {
+    mesh = finer;
+    best = last;
+    least = area_in_doubt(last);
+  }
   int vain = 0;
-  for (int round = 0; round < kMostRounds && least > 0; ++round) {
+  for (int round = 0; round < options.rounds && least > enough; ++round) {
     if (vain == (least > much ? kPatience : 1)) break;
     TriangleMesh next = cut_without_crossing(surface, finer, worth_cutting(last), options);
     const std::size_t count = next.triangles.size();

@@ -22,7 +22,8 @@
 // has no more regions than the mesh parts it in, but perhaps for what is in open leaves.
 //
 // The bounds are those of bent_triangle.h: a few values a triangle, and more where that leaves it
-// open.
+// open. Where F has kinks they are those of its slopes: F is continuous and its one-sided slopes
+// lie within bounds, which is all that the signs and the growth along segments need.
 #pragma once
 
 #include <cstddef>
@@ -44,10 +45,14 @@ enum class Doubt : std::uint8_t {
   distance,  ///< the surface may be farther than the tolerance
   fold,      ///< it may cross the shell more than once, or the shell itself
   topology,  ///< there may be more of it in a cell, or around one, than the mesh has
-  crease,    ///< it bends without bound, as at creases and corners of strength profiles
+  crease,    ///< either, where it bends without bound, as at creases and corners of profiles
   profile,   ///< F may jump, as at jumps of strength profiles
 };
 std::string_view name(Doubt doubt);
+/// Whether there may be none of parts of a triangle.
+inline bool may_be_cut(Doubt doubt) {
+  return doubt == Doubt::distance || doubt == Doubt::fold || doubt == Doubt::crease;
+}
 
 struct UncertifiedPlace {
   Vec3d position;
@@ -73,6 +78,13 @@ struct Certificate {
 
 struct CertifyOptions {
   double tolerance = 0.0;  ///< scene units, > 0
+  /// certify_refined() cuts no more once that share is certified, nothing at all where no more than
+  /// the share `hopeless` is, and else a few times and then in so many rounds at most.
+  double enough = 1.0, hopeless = 0.0;
+  /// It keeps the first cuts if they leave less than this part of the area in doubt that was
+  /// before.
+  double worth = 1.0;
+  int rounds = 16;
   Progress* progress = nullptr;
 };
 

@@ -105,7 +105,7 @@ std::vector<std::uint32_t> ShellCertifier::worth_cutting() const {
   const auto thickness = [this](Index v) { return std::max(shell_.outer[v], shell_.inner[v]); };
   for (std::uint32_t t = 0; t < records_.size(); ++t) {
     const Record& record = records_[t];
-    if (record.doubt != Doubt::distance && record.doubt != Doubt::fold) continue;
+    if (!may_be_cut(record.doubt)) continue;
     const Index v =
         *std::max_element(triangles_[t].begin(), triangles_[t].end(),
                           [&](Index a, Index b) { return thickness(a) < thickness(b); });
@@ -329,7 +329,7 @@ bool ShellCertifier::adapt() {
   for (std::size_t t = 0; t < records_.size(); ++t) {
     const Look& look = records_[t].look;
     const Finding& signs = records_[t].signs;
-    if (signs.doubt != Doubt::distance) continue;
+    if (signs.doubt != Doubt::distance && signs.doubt != Doubt::crease) continue;
     for (std::size_t k = 0; k < 3; ++k) {
       const Index v = triangles_[t][k];
       // Where corners have the right sign, what is asked for is room for the bounds alone.

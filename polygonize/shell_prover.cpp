@@ -246,11 +246,13 @@ class Prover {
   /// the whole would not do for parts of it either: those have a quarter of the bend.
   void settle(Piece& piece, const Prism& prism) {
     const Seen& seen = piece.seen;
-    if (piece.cuts > 0) {
+    if (piece.cuts > 0 && std::isfinite(piece.bound.bend)) {
       close_layers(piece, prism);
       const bool parts_may_do = (!piece.outer || is_outside(prism, seen, piece.bound, 0.25)) &&
                                 (!piece.inner || is_inside(prism, seen, piece.bound, 0.25));
       if (parts_may_do) return;
+      piece.bound = bound_of(piece, prism);
+    } else if (piece.cuts > 0) {
       piece.bound = bound_of(piece, prism);
     } else {
       // Between its layers lies the whole prism.
@@ -258,6 +260,30 @@ class Prover {
       findings_[piece.triangle].grows = piece.bound.slope > 0;
     }
     close_layers(piece, prism);
+    if (!std::isfinite(piece.bound.bend)) close_kinked_layers(piece, prism);
+  }
+
+  /// Where F has kinks, by its slopes.
+  void close_kinked_layers(Piece& piece, const Prism& prism) {
+    const Seen& seen = piece.seen;
+    HullBound plain;
+    plain.error = piece.bound.error;
+    std::array<double, 3> at{};
+    if (piece.outer) {
+      for (std::size_t k = 0; k < 3; ++k) at[k] = plain.high(seen.outer[k]);
+      piece.outer = !(highest_over(prism.outer, at, slopes_over(prism.outer)) < 0);
+    }
+    if (piece.inner) {
+      for (std::size_t k = 0; k < 3; ++k) at[k] = plain.low(seen.inner[k].value);
+      piece.inner = !(lowest_over(prism.inner, at, slopes_over(prism.inner)) > 0);
+    }
+  }
+
+  std::array<Interval, 3> slopes_over(std::span<const Vec3d> points) {
+    Aabb box;
+    for (const Vec3d& p : points) box.include(p);
+    ++counts_.bounds;
+    return part_->enclose_gradient(box);
   }
 
   static void close_layers(Piece& piece, const Prism& prism) {
@@ -340,7 +366,7 @@ class Prover {
     if (question == Question::crossings) {
       if (keeps_sign(hull, bound) || grows_where_it_vanishes(hull, directions)) return true;
     }
-    if (!std::isfinite(bound.bend)) return false;
+    if (!std::isfinite(bound.bend) && !std::isfinite(bound.slope)) return false;
     const std::vector<Piece> parts = parts_of(piece, prism);
     return std::all_of(parts.begin(), parts.end(),
                        [&](const Piece& part) { return grows_in(part, question, tries); });
@@ -358,6 +384,7 @@ class Prover {
     Vec3d center{};
     for (const Vec3d& p : hull) center += p / 6.0;
     const std::vector<Jet> jet = jets_at({&center, 1});
+    if (!std::isfinite(bound.bend)) return keeps_sign_by_slopes(hull, bound, center, jet[0].value);
     const Tangent tangent{center, bound.low(jet[0].value), bound.gradient(jet[0])};
     double low = HullBound::kInfinity, high = -HullBound::kInfinity, squared = 0.0;
     for (const Vec3d& p : hull) {
@@ -368,6 +395,18 @@ class Prover {
     if (jet[0].value > 0) return false;
     for (const double value : values_at(hull)) high = std::max(high, bound.high(value));
     return high + 0.5 * bound.bend * squared * (1 + 1e-12) < 0;
+  }
+
+  bool keeps_sign_by_slopes(const std::array<Vec3d, 6>& hull, const HullBound& bound,
+                            const Vec3d& center, double value) {
+    HullBound plain;
+    plain.error = bound.error;
+    const std::array<Interval, 3> slopes = slopes_over(hull);
+    Interval range(plain.low(value), plain.high(value));
+    Interval change(0.0);
+    for (const Vec3d& p : hull) change = cs2mesh::hull(change, change_between(center, p, slopes));
+    range = range + change;
+    return range.lo > 0 || range.hi < 0;
   }
 
   /// Halves of what is thicker than wide, else quarters.

@@ -28,7 +28,16 @@ Vec3d growth_in(const ImplicitSurface& part, const Aabb& box) {
   const Vec3d direction = normalized(gradient);
   std::array<Vec3d, 8> corners;
   for (int i = 0; i < 8; ++i) corners[static_cast<std::size_t>(i)] = box.corner(i);
-  return part.hull_bound(corners, {&direction, 1}).slope > 0 ? direction : Vec3d{};
+  const HullBound bound = part.hull_bound(corners, {&direction, 1});
+  if (bound.slope > 0) return direction;
+  if (std::isfinite(bound.bend) || !std::isfinite(bound.slope)) return {};
+  // At kinks, between the gradients on both sides.
+  const std::array<Interval, 3> slopes = part.enclose_gradient(box);
+  Vec3d between;
+  for (std::size_t i = 0; i < 3; ++i) between[i] = 0.5 * (slopes[i].lo + slopes[i].hi);
+  if (!(norm(between) > 0) || !is_finite(between)) return {};
+  between = normalized(between);
+  return least_along(slopes, between) > 0 ? between : Vec3d{};
 }
 
 }  // namespace

@@ -43,6 +43,19 @@ std::array<Interval, 3> weighted(const Term& term, const K& kernel, const P& pri
   return to_world_gradient(term, gradient);
 }
 
+/// Of a term with profiles, in local coordinates: |D^2 (w f)| by the product rule.
+template <class K, class P>
+double second_bound(const Term& term, const K& kernel, const P& primitive, const LocalBox& local) {
+  const WeightBends weight = weight_bends(term, primitive, local);
+  const double near = gap(term, primitive, local.center, local.half, local.radius).near(1.0);
+  double bound = 0.0;
+  const double factor[3] = {weight.bend, 2 * weight.slope, weight.w};
+  for (int order = 0; order <= 2; ++order) {
+    bound += detail::product_bound(factor[order], near_bound(kernel, primitive, order, near));
+  }
+  return bound;
+}
+
 }  // namespace
 
 std::array<Interval, 3> GradientSum::bound(const BatchBox& box) const {
@@ -115,6 +128,8 @@ double derivative_bound(const Term& term, int order, const Aabb& box) {
   const LocalBox local = local_box(term, box);
   return visit_pair(term, [&](const auto& kernel, const auto& primitive) {
     double factor = std::pow(local.stretch, order) * (1 + 1e-14);
+    if (!term.profiles.empty() && order == 2)
+      return factor * second_bound(term, kernel, primitive, local);
     if (!term.profiles.empty()) {
       const std::optional<Interval> flat = flat_weight(term, primitive, local);
       if (!flat) return kInfinity;

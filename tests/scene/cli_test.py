@@ -169,6 +169,22 @@ class Meshing(SceneTest):
         self.succeed(scene, "out.obj", *options)
         self.assertTrue((self.folder / "out.obj").exists())
 
+    def test_a_mesh_that_cannot_be_certified_is_made_finer(self):
+        # The tolerance is as large as the small balls, but not with a number of triangles.
+        small = "".join(f"sphere s 0.1 <{x} {y} 0>\n" for x in (-0.45, 0.45) for y in (-0.3, 0.3))
+        scene = self.file(
+            "balls.art", "surface s { kernel gaussian blobbiness -6 }\nsphere s 0.5 <0 0 0>\n" + small
+        )
+        plain = self.report(scene, "out.obj", "--tolerance", "2%")
+        options = ("--tolerance", "2%", "--certificate", "doubts.ply")
+        report = self.report(scene, "out.obj", *options)
+        self.assertGreater(report["certified"], 0.999)
+        self.assertGreaterEqual(report["triangles"], plain["triangles"])
+        self.assertLessEqual(report["error"]["mesh_to_surface_max"], report["tolerance"])
+        self.assertEqual(report["tolerance"], plain["tolerance"])
+        again = self.report(scene, "out.obj", *options, "--max-triangles", 100000)
+        self.assertEqual(again["triangles"], plain["triangles"])
+
     def test_quiet_means_quiet(self):
         scene = self.file("ball.art", BALL)
         done = self.succeed(scene, "out.obj", "--quiet")

@@ -135,6 +135,43 @@ TEST(TermBounds, HigherDerivativesHoldForDifferencesOfGradients) {
   }
 }
 
+/// Of terms with profiles, where these bend and where they have corners.
+TEST(TermBounds, SecondDerivativesHoldForDifferencesOfGradients) {
+  int bounded = 0, all = 0;
+  for (const KernelKind kind : kAllKernels) {
+    for (std::size_t primitive = 0; primitive < testing::kPrimitiveKinds; ++primitive) {
+      if (diverges(kind, primitive)) continue;
+      for (std::uint64_t seed = 0; seed < 40; ++seed) {
+        Random random(seed, 20 + primitive);
+        Term term = random_term(random, kind, primitive, true);
+        for (std::uint64_t k = 0; k <= seed % 2; ++k) {
+          StrengthProfile profile;
+          profile.along_u = static_cast<ProfileFunction>(random.bits() % kProfileNames.size());
+          if (seed % 4 == 0) profile.along_v = ProfileFunction::cos;
+          profile.scale_u = random.uniform(-3.0, 3.0);
+          profile.upper = random.uniform(0.5, 1.5);
+          term.profiles.push_back(profile);
+        }
+        const Vec3d center = random_box(random, term).center();
+        const double size = std::pow(10.0, random.uniform(-4.0, -1.0));
+        const Aabb box{center - Vec3d{size, size, size}, center + Vec3d{size, size, size}};
+        const double bound = derivative_bound(term, 2, box);
+        ++all;
+        bounded += std::isfinite(bound) ? 1 : 0;
+        for (int i = 0; i < 10; ++i) {
+          const std::vector<Jet> jets = jets_of(
+              term, {center + size * random.direction(), center + size * random.direction()});
+          const double noise = 1e-9 * (1 + norm(jets[0].gradient) + norm(jets[1].gradient));
+          // Points on a sphere of that size are within twice of it.
+          EXPECT_LE(norm(jets[1].gradient - jets[0].gradient), 2 * bound * size + noise)
+              << name_of(kind) << " " << primitive << " seed " << seed;
+        }
+      }
+    }
+  }
+  EXPECT_GT(2 * bounded, all);
+}
+
 Vec3d random_vector(Random& random) {
   return {random.uniform(-1, 1), random.uniform(-1, 1), random.uniform(-1, 1)};
 }

@@ -3,6 +3,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "libfield/base/jet.h"
 #include "libfield/base/random.h"
 
@@ -62,6 +64,44 @@ TEST(BentTriangle, BoundsHoldWhatIsSampled) {
       const double value = blobs.at(p).value;
       ASSERT_LE(bounds.low, value + 1e-12 * (1 + std::abs(value)));
       ASSERT_GE(bounds.high, value - 1e-12 * (1 + std::abs(value)));
+    }
+  }
+}
+
+/// The least of some linear functions, and one that bends: kinks all over.
+TEST(BentTriangle, SlopesBoundWhatHasKinks) {
+  Random random(4, 1);
+  for (int round = 0; round < 4000; ++round) {
+    std::vector<Vec3d> slope(1 + random.bits() % 4);
+    for (Vec3d& g : slope) g = random_point(random, 3);
+    const double wave = random.uniform(0, 2);
+    const auto value = [&](const Vec3d& p) {
+      double least = 1e300;
+      for (const Vec3d& g : slope) least = std::min(least, dot(g, p));
+      return least + wave * std::sin(p.x);
+    };
+    const Vec3d center = random_point(random, 2);
+    Corners corners;
+    for (Vec3d& p : corners) p = center + random_point(random, 0.5);
+    std::array<Interval, 3> slopes;
+    for (std::size_t axis = 0; axis < 3; ++axis) {
+      slopes[axis] = slope[0][axis];
+      for (const Vec3d& g : slope) slopes[axis] = hull(slopes[axis], g[axis]);
+    }
+    slopes[0] = widened(slopes[0], wave);
+    std::array<double, 3> at{};
+    for (std::size_t k = 0; k < 3; ++k) at[k] = value(corners[k]);
+    const double low = lowest_over(corners, at, slopes);
+    const double high = highest_over(corners, at, slopes);
+    for (int k = 0; k < 20; ++k) {
+      const double u = random.uniform(), v = random.uniform() * (1 - u);
+      const Vec3d p = u * corners[0] + v * corners[1] + (1 - u - v) * corners[2];
+      ASSERT_LE(low, value(p) + 1e-12);
+      ASSERT_GE(high, value(p) - 1e-12);
+    }
+    // A linear function alone is bounded by its corners.
+    if (slope.size() == 1 && wave < 1e-3) {
+      EXPECT_NEAR(high, *std::max_element(at.begin(), at.end()), 0.01);
     }
   }
 }

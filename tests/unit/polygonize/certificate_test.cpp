@@ -335,5 +335,31 @@ TEST(Certificate, AnEmptyMeshIsRightOfNothingAlone) {
   EXPECT_EQ(wrong->places.size(), 1U);
 }
 
+/// A mesh of which enough is certified stays as it is, and one that is hopeless as well.
+TEST(Certificate, CutsOnlyWhereThatIsAskedFor) {
+  const Field surface({ball({-0.9, 0, 0}, 1.0, 6.0), ball({0.9, 0, 0}, 1.0, 6.0)}, 1e-9);
+  const double tolerance = 0.08;
+  const TriangleMesh coarse = meshed(surface, 1.0, tolerance);
+  const TopologyProof topology = proof_of(surface, 1.0 / 64);
+  const auto cut = [&](double enough, double hopeless) {
+    CertifyOptions options;
+    options.tolerance = 0.3 * tolerance;  // most of it is too far
+    options.enough = enough;
+    options.hopeless = hopeless;
+    TriangleMesh mesh = coarse;
+    const Result<Certificate> certificate = certify_refined(surface, mesh, topology, options);
+    EXPECT_TRUE(certificate);
+    return std::pair(mesh.triangles.size(), certificate->share());
+  };
+  const auto [as_it_is, share] = cut(0.0, 0.0);
+  EXPECT_EQ(as_it_is, coarse.triangles.size());
+  ASSERT_LT(share, 0.9);
+  EXPECT_EQ(cut(1.0, 0.9).first, coarse.triangles.size());
+  const auto [finer, more] = cut(1.0, 0.0);
+  EXPECT_GT(finer, coarse.triangles.size());
+  EXPECT_LE(finer, 4 * coarse.triangles.size());
+  EXPECT_GT(more, 0.99);
+}
+
 }  // namespace
 }  // namespace cs2mesh

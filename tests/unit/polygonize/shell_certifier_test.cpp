@@ -7,7 +7,9 @@
 
 #include "libfield/base/random.h"
 #include "libfield/field/field.h"
+#include "libfield/profile/cone_weight.h"
 #include "polygonize/adaptive_mesher.h"
+#include "polygonize/lattice_mesher.h"
 #include "polygonize/refine.h"
 #include "tests/unit/polygonize/mesh_test_tools.h"
 #include "tests/unit/polygonize/random_blobs.h"
@@ -78,6 +80,38 @@ TEST(ShellCertifier, SegmentsOfWhatIsProvenCrossTheSurfaceOnce) {
     ASSERT_TRUE(certifier.run(finer));
     expect_one_crossing(surface, finer, certifier, kTolerance);
     EXPECT_GT(certifier.counts().values, before);
+  }
+}
+
+/// A bone whose strength has corners, as those of a hat, or bends.
+Field bone_with(const StrengthProfile& profile) {
+  Term bone;
+  bone.kernel = Gaussian{4.0, 3.0};
+  bone.primitive = Segment{{-1, 0, 0}, {1, 0.2, 0.1}};
+  bone.frame = frame_of(bone.primitive);
+  bone.profiles = {profile};
+  return Field({bone}, 1e-9);
+}
+
+TEST(ShellCertifier, ProvesKinksOnceTheTrianglesAreSmallEnough) {
+  StrengthProfile hat;
+  hat.along_u = ProfileFunction::hat;
+  hat.translate_u = 0.25;
+  hat.scale_u = 0.5;
+  hat.lower = 0.6;
+  for (const auto& profile : {hat, cone_weight(KernelKind::gaussian, 1.2, 0.7)}) {
+    const Field surface = bone_with(profile);
+    constexpr double kTolerance = 0.01;
+    LatticeOptions lattice;
+    lattice.cell = 0.06;
+    const Result<TriangleMesh> mesh = mesh_lattice(surface, lattice);
+    ASSERT_TRUE(mesh);
+    ShellCertifier certifier(surface, kTolerance, nullptr);
+    ASSERT_TRUE(certifier.run(*mesh));
+    expect_one_crossing(surface, *mesh, certifier, kTolerance);
+    const std::vector<Doubt> doubts = certifier.doubts();
+    const auto proven = std::count(doubts.begin(), doubts.end(), Doubt::none);
+    EXPECT_GT(static_cast<double>(proven), 0.97 * static_cast<double>(doubts.size()));
   }
 }
 

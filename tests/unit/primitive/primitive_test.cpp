@@ -8,6 +8,7 @@
 #include <string>
 
 #include "libfield/base/check.h"
+#include "libfield/primitive/uv_bends.h"
 #include "tests/property/random_primitives.h"
 
 namespace cs2mesh {
@@ -156,6 +157,29 @@ std::string kind_name(const ::testing::TestParamInfo<std::size_t>& kind) {
   constexpr std::array<const char*, 5> kNames{"point", "segment", "arc", "triangle", "plane"};
   return kNames[kind.param];
 }
+/// Also where it tells that there are none: gradients then turn by no more than that.
+TEST_P(PrimitiveTest, UvBendsHoldForDifferencesOfGradients) {
+  int bounded = 0;
+  for_many([&](const auto& primitive, Random& random) {
+    const Vec3d corner = middle(primitive) + testing::random_vector(random, 2.0);
+    Aabb box{corner, corner};
+    box.include(corner + testing::random_vector(random, testing::log_uniform(random, 1e-3, 0.5)));
+    const UvBends bends = bound_uv_bends(primitive, box);
+    for (int i = 0; i < 20; ++i) {
+      const auto within = [&](std::size_t axis) {
+        return box.min[axis] + random.uniform() * (box.max[axis] - box.min[axis]);
+      };
+      const Vec3d p{within(0), within(1), within(2)}, q{within(0), within(1), within(2)};
+      const Uv at_p = uv(primitive, p), at_q = uv(primitive, q);
+      const double noise = 1e-9 * (1 + norm(at_p.grad_u) + norm(at_p.grad_v));
+      EXPECT_LE(norm(at_p.grad_u - at_q.grad_u), bends.u * norm(p - q) + noise);
+      EXPECT_LE(norm(at_p.grad_v - at_q.grad_v), bends.v * norm(p - q) + noise);
+    }
+    bounded += std::isfinite(bends.u) && std::isfinite(bends.v) ? 1 : 0;
+  });
+  EXPECT_GT(bounded, 30);
+}
+
 INSTANTIATE_TEST_SUITE_P(All, PrimitiveTest, ::testing::Range<std::size_t>(0, 5), kind_name);
 
 TEST(Primitive, MeasuresAreLengthsAndAreas) {

@@ -5,6 +5,8 @@
 #include <cmath>
 
 #include "libfield/base/random.h"
+#include "libfield/profile/cone_weight.h"
+#include "libfield/profile/profile_bends.h"
 
 namespace cs2mesh {
 namespace {
@@ -115,6 +117,35 @@ TEST(Profile, EnclosureContainsEverySample) {
       EXPECT_TRUE(range.contains(w)) << w << " not in " << range.lo << ", " << range.hi;
     }
   }
+}
+
+TEST(Profile, BendsHoldForDifferencesOfSlopes) {
+  Random random(12);
+  int bounded = 0;
+  for (int i = 0; i < 6000; ++i) {
+    StrengthProfile profile = random_profile(random);
+    if (i % 6 == 0) {
+      const KernelKind kind = i % 12 == 0 ? KernelKind::cauchy : KernelKind::gaussian;
+      profile = cone_weight(kind, random.uniform(-2.0, 3.0), random.uniform(0.0, 3.0));
+    }
+    const auto interval = [&] {
+      const double lo = random.uniform(-1.0, 1.0);
+      return Interval{lo, lo + std::pow(10.0, random.uniform(-4.0, 0.0))};
+    };
+    const Interval u = interval(), v = interval();
+    const ProfileBends bends = bound_bends(profile, u, v);
+    bounded += std::isfinite(bends.uu + bends.uv + bends.vv) ? 1 : 0;
+    for (int j = 0; j < 20; ++j) {
+      const double u0 = random.uniform(u.lo, u.hi), u1 = random.uniform(u.lo, u.hi);
+      const double v0 = random.uniform(v.lo, v.hi), v1 = random.uniform(v.lo, v.hi);
+      const ProfileValue a = evaluate(profile, u0, v0), b = evaluate(profile, u1, v1);
+      const double noise = 1e-9 * (1 + std::abs(a.du) + std::abs(a.dv));
+      const double du = std::abs(u1 - u0), dv = std::abs(v1 - v0);
+      EXPECT_LE(std::abs(a.du - b.du), bends.uu * du + bends.uv * dv + noise);
+      EXPECT_LE(std::abs(a.dv - b.dv), bends.uv * du + bends.vv * dv + noise);
+    }
+  }
+  EXPECT_GT(bounded, 2000);
 }
 
 TEST(Profile, EnclosureIsTightOnSmallBoxes) {
