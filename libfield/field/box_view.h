@@ -103,8 +103,9 @@ inline double separation(const Arc& arc, const Vec3d& p, const Vec3d& direction)
       within ? std::hypot(x, y) : x * std::cos(half) + std::abs(y) * std::sin(half);
   return dot(p - arc.center, direction) - arc.radius * ahead;
 }
+/// Of a plane along its normal, on either side.
 inline double separation(const Plane& plane, const Vec3d& p, const Vec3d& direction) {
-  return dot(p - plane.point, direction);
+  return std::abs(dot(p - plane.point, direction));
 }
 
 /// Of the box with that centre (in local coordinates) and those half edges (in the scene); radius
@@ -123,7 +124,9 @@ Gap gap(const Term& term, const P& primitive, const Vec3d& center, const Vec3d& 
     const Vec3d way = center - nearest_point(primitive, center);
     g.contact = norm(way);
     if (!(g.contact > 0)) return g;
-    const Vec3d direction = way / g.contact;
+    Vec3d direction = way / g.contact;
+    // All but on a plane, the way is what rounding left of it.
+    if constexpr (std::is_same_v<P, Plane>) direction = primitive.normal;
     g.distance = std::max(0.0, separation(primitive, center, direction));
     g.reach = extent_along(term, direction, half);
   }
