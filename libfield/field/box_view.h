@@ -108,6 +108,16 @@ inline double separation(const Plane& plane, const Vec3d& p, const Vec3d& direct
   return std::abs(dot(p - plane.point, direction));
 }
 
+/// How large a primitive is beside a point; of a plane, how large the coordinates are that tell the
+/// distance.
+template <class P>
+double extent(const P& primitive, const Vec3d& /*p*/) {
+  return size(primitive);
+}
+inline double extent(const Plane& plane, const Vec3d& p) {
+  return norm(p) + norm(plane.point);
+}
+
 /// Of the box with that centre (in local coordinates) and those half edges (in the scene); radius
 /// is half its diagonal in local coordinates. A convex primitive lies behind the plane through the
 /// nearest point and across the way to it; an arc need not.
@@ -130,8 +140,7 @@ Gap gap(const Term& term, const P& primitive, const Vec3d& center, const Vec3d& 
     g.distance = std::max(0.0, separation(primitive, center, direction));
     g.reach = extent_along(term, direction, half);
   }
-  const double extent = std::is_same_v<P, Plane> ? norm(center) : size(primitive);
-  g.slack = kUlps * (g.contact + extent + radius);
+  g.slack = kUlps * (g.contact + extent(primitive, center) + radius);
   return g;
 }
 
@@ -195,8 +204,8 @@ Reach reach(const Term& term, const P& primitive, const LocalBox& local) {
   if (r.near < local.radius) {
     r.near = std::max(r.near, box_distance(primitive, local.box) * (1 - 1e-12) - g.slack);
   }
-  r.scale = g.contact + size(primitive);
-  r.far = r.scale + local.radius + g.slack;
+  r.scale = g.contact + extent(primitive, local.center);
+  r.far = g.contact + size(primitive) + local.radius + g.slack;
   // Of p in local coordinates the map leaves an error of its own.
   if (term.to_local) r.scale += norm(local.center) + norm(term.to_local->translation);
   return r;

@@ -206,6 +206,17 @@ TEST(Field, EnclosesPlanesThatAreTurnedWhereverTheyAre) {
   }
 }
 
+TEST(Field, EnclosesPlanesInFiniteIntervals) {
+  const Field field = turned_plane();
+  Random random(7, 7);
+  for (int i = 0; i < 200; ++i) {
+    const Aabb box = random_box(random, 1);
+    const Interval range = field.enclose(box);
+    EXPECT_TRUE(range.contains(field.value(point_in(random, box))));
+    EXPECT_LT(range.width(), 10.0);
+  }
+}
+
 TEST(Field, BoundsHoldTheWholeInside) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     const auto field = field_of(random_scene(seed, 9, kKinds[seed % 4]));
