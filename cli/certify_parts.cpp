@@ -74,7 +74,7 @@ class PartCertifier {
         1.0 / 64;  // of the thinnest radius: what necks and gaps are larger than
     // Where the tolerance is as large as what the surface consists of, cutting triangles makes many
     // more of them than a mesh has that is made to a part of the tolerance.
-    constexpr double kHopeless = 0.8;
+    constexpr double kHopeless = 0.7;
     TopologyProof::Options proof;
     proof.smallest = kNeck * length_scale(part);
     proof.progress = &console.progress();
@@ -111,7 +111,7 @@ class PartCertifier {
     console_.stop_if_interrupted();
     if (!made || !made->reached || made->mesh.empty()) return;
     Certificate then = refined(made->mesh);
-    if (!(then.share() > best.share())) return;
+    if (!(1 - then.share() < options_.worth * (1 - best.share()))) return;
     best = std::move(then);
     mesh = std::move(made->mesh);
     log.cell = made->cell;

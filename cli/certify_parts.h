@@ -17,7 +17,7 @@ struct PartCertificate {
 
 /// Certifies every part by itself, before parts are united. Of one with less than the share
 /// `enough` of its area certified, triangles are cut where nothing can be proven of them as they
-/// are; with less than 80 % it is first meshed anew, to a quarter of the tolerance. Throws Exit
+/// are; with less than 70 % it is meshed anew, to a quarter of the tolerance. Throws Exit
 /// where that is interrupted or takes more cells than there may be.
 std::vector<PartCertificate> certify_parts(MeshedScene& meshed, const CompiledScene& compiled,
                                            const Fineness& fineness, double enough,

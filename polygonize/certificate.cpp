@@ -420,10 +420,10 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
   const double whole = area(mesh), much = kMuch * whole;
   const double enough = (1 - options.enough) * whole;
   double least = area_in_doubt(*best);
-  if (least <= enough || least > (1 - options.hopeless) * whole) {
-    return certificate_of(mesh, *best, topology);
-  }
+  const Certificate uncut = certificate_of(mesh, *best, topology);
+  if (least <= enough || least > (1 - options.hopeless) * whole) return uncut;
   // Rounds that do not help are taken back.
+  const TriangleMesh before = mesh;
   TriangleMesh finer = mesh;
   flip_edges(finer, further);
   if (!cut_at_large(surface, finer, further, *best, options)) return interrupted();
@@ -455,7 +455,11 @@ Result<Certificate> certify_refined(const ImplicitSurface& surface, TriangleMesh
     least = left;
     vain = 0;
   }
-  return certificate_of(mesh, *best, topology);
+  // Nor does all of it where what is in doubt for other reasons outweighs what is cut away.
+  const Certificate cut = certificate_of(mesh, *best, topology);
+  if (1 - cut.share() < options.worth * (1 - uncut.share())) return cut;
+  mesh = before;
+  return uncut;
 }
 
 }  // namespace cs2mesh

@@ -81,8 +81,8 @@ struct CertifyOptions {
   /// certify_refined() cuts no more once that share is certified, nothing at all where no more than
   /// the share `hopeless` is, and else a few times and then in so many rounds at most.
   double enough = 1.0, hopeless = 0.0;
-  /// It keeps the first cuts if they leave less than this part of the area in doubt that was
-  /// before.
+  /// It keeps the first cuts, and in the end all of them, if they leave less than this part of the
+  /// area in doubt that was before.
   double worth = 1.0;
   int rounds = 16;
   Progress* progress = nullptr;

@@ -172,9 +172,8 @@ class Meshing(SceneTest):
     def test_a_mesh_that_cannot_be_certified_is_made_finer(self):
         # The tolerance is as large as the small balls, but not with a number of triangles.
         small = "".join(f"sphere s 0.1 <{x} {y} 0>\n" for x in (-0.45, 0.45) for y in (-0.3, 0.3))
-        scene = self.file(
-            "balls.art", "surface s { kernel gaussian blobbiness -6 }\nsphere s 0.5 <0 0 0>\n" + small
-        )
+        large = "surface s { kernel gaussian blobbiness -6 }\nsphere s 0.5 <0 0 0>\n"
+        scene = self.file("balls.art", large + small)
         plain = self.report(scene, "out.obj", "--tolerance", "2%")
         options = ("--tolerance", "2%", "--certificate", "doubts.ply")
         report = self.report(scene, "out.obj", *options)
