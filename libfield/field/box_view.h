@@ -103,8 +103,19 @@ inline double separation(const Arc& arc, const Vec3d& p, const Vec3d& direction)
       within ? std::hypot(x, y) : x * std::cos(half) + std::abs(y) * std::sin(half);
   return dot(p - arc.center, direction) - arc.radius * ahead;
 }
+/// Of a plane along its normal, on either side.
 inline double separation(const Plane& plane, const Vec3d& p, const Vec3d& direction) {
-  return dot(p - plane.point, direction);
+  return std::abs(dot(p - plane.point, direction));
+}
+
+/// How large a primitive is beside a point; of a plane, how large the coordinates are that tell the
+/// distance.
+template <class P>
+double extent(const P& primitive, const Vec3d& /*p*/) {
+  return size(primitive);
+}
+inline double extent(const Plane& plane, const Vec3d& p) {
+  return norm(p) + norm(plane.point);
 }
 
 /// Of the box with that centre (in local coordinates) and those half edges (in the scene); radius
@@ -123,12 +134,13 @@ Gap gap(const Term& term, const P& primitive, const Vec3d& center, const Vec3d& 
     const Vec3d way = center - nearest_point(primitive, center);
     g.contact = norm(way);
     if (!(g.contact > 0)) return g;
-    const Vec3d direction = way / g.contact;
+    Vec3d direction = way / g.contact;
+    // All but on a plane, the way is what rounding left of it.
+    if constexpr (std::is_same_v<P, Plane>) direction = primitive.normal;
     g.distance = std::max(0.0, separation(primitive, center, direction));
     g.reach = extent_along(term, direction, half);
   }
-  const double extent = std::is_same_v<P, Plane> ? norm(center) : size(primitive);
-  g.slack = kUlps * (g.contact + extent + radius);
+  g.slack = kUlps * (g.contact + extent(primitive, center) + radius);
   return g;
 }
 
@@ -192,8 +204,8 @@ Reach reach(const Term& term, const P& primitive, const LocalBox& local) {
   if (r.near < local.radius) {
     r.near = std::max(r.near, box_distance(primitive, local.box) * (1 - 1e-12) - g.slack);
   }
-  r.scale = g.contact + size(primitive);
-  r.far = r.scale + local.radius + g.slack;
+  r.scale = g.contact + extent(primitive, local.center);
+  r.far = g.contact + size(primitive) + local.radius + g.slack;
   // Of p in local coordinates the map leaves an error of its own.
   if (term.to_local) r.scale += norm(local.center) + norm(term.to_local->translation);
   return r;

@@ -168,8 +168,10 @@ double influence_distance(const Term& term, double epsilon) {
 Aabb skeleton_box(const Term& term) {
   const Aabb local =
       std::visit([](const auto& primitive) { return bounds(primitive); }, term.primitive);
-  if (!term.to_local || !local.finite()) return local;
-  return image_box(local, inverse(*term.to_local));
+  if (!term.to_local) return local;
+  const Affine to_world = inverse(*term.to_local);
+  const auto* plane = std::get_if<Plane>(&term.primitive);
+  return plane != nullptr ? bounds(transformed(*plane, to_world)) : image_box(local, to_world);
 }
 
 }  // namespace cs2mesh

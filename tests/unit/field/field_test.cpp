@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "libfield/field/make_term.h"
 #include "tests/unit/field/random_scene.h"
 
@@ -177,6 +180,40 @@ TEST(Field, LeavesOutNoMoreThanTheBudget) {
       field->full_jets({&p, 1}, {&full, 1});
       EXPECT_NEAR(field->value(p), full.value - 1, budget + 1e-13);
     }
+  }
+}
+
+/// A plane in coordinates of its own, which are turned and stretched.
+Field turned_plane() {
+  Term term;
+  term.kernel = Metaball{1.0, 1.5};
+  term.primitive = Plane{{0, 0, 0}, {0, 0, 1}};
+  term.frame = frame_of(term.primitive);
+  const Affine to_world = Affine::rotate({1, 0, 0}, 50) * Affine::scale({1, 2, 0.5});
+  term.to_local = std::make_shared<Affine>(inverse(to_world));
+  return Field({term}, 1e-9);
+}
+
+TEST(Field, EnclosesPlanesThatAreTurnedWhereverTheyAre) {
+  const Field field = turned_plane();
+  const double angle = 50 * std::numbers::pi / 180;
+  const Vec3d along{0, std::cos(angle), std::sin(angle)};
+  const double middle = field.value({});
+  for (const double t : {-30.0, -1.0, 0.3, 2.0, 100.0}) {
+    EXPECT_NEAR(field.value(t * along), middle, 1e-9) << t;
+    const Aabb box = Aabb{t * along, t * along}.grown(1e-3);
+    EXPECT_GE(field.enclose(box).hi, middle - 1e-9) << t;
+  }
+}
+
+TEST(Field, EnclosesPlanesInFiniteIntervals) {
+  const Field field = turned_plane();
+  Random random(7, 7);
+  for (int i = 0; i < 200; ++i) {
+    const Aabb box = random_box(random, 1);
+    const Interval range = field.enclose(box);
+    EXPECT_TRUE(range.contains(field.value(point_in(random, box))));
+    EXPECT_LT(range.width(), 10.0);
   }
 }
 

@@ -10,6 +10,7 @@
 #include "libfield/field/field.h"
 #include "libfield/field/kink_remainder.h"
 #include "libfield/field/quadratic_range.h"
+#include "libfield/primitive/nearest_point.h"
 #include "tests/property/random_primitives.h"
 
 namespace cs2mesh {
@@ -103,6 +104,35 @@ TEST(TermBounds, ContainValuesAndGradientsOfEveryKernelOverEveryPrimitive) {
                          std::string(name_of(kind)) + " " + std::to_string(primitive) + " seed " +
                              std::to_string(seed));
         if (::testing::Test::HasFatalFailure()) return;
+      }
+    }
+  }
+}
+
+// There the way from the nearest point to the centre is nothing but rounding.
+TEST(TermBounds, ContainValuesAndGradientsOfBoxesInTheMiddleOfAPlane) {
+  for (const KernelKind kind : {KernelKind::cauchy, KernelKind::gaussian, KernelKind::metaball,
+                                KernelKind::soft, KernelKind::quartic}) {
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+      Random random(seed, 50);
+      const Term term = random_term(random, kind, 4, false);
+      const auto& plane = std::get<Plane>(term.primitive);
+      const Vec3d aside = random.direction();
+      const Vec3d center = nearest_point(plane, plane.point + 3.0 * aside);
+      const double half = std::pow(10.0, random.uniform(-4, -0.3));
+      const BatchBox box(Aabb{center, center}.grown(half));
+      std::vector<SumBound> sums(1);
+      add_bounds(term, BoxBatch({&box, 1}, TaylorOrder::first), 1e-6, sums);
+      const Interval range = range_of(sums[0], 1, box);
+      GradientSum sum;
+      add_gradient_bound(term, box, sum);
+      const std::array<Interval, 3> gradient = sum.bound(box);
+      for (const Jet& jet : jets_of(term, samples(random, box.box))) {
+        ASSERT_TRUE(range.contains(jet.value)) << name_of(kind) << " seed " << seed;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+          ASSERT_TRUE(widened(gradient[axis], 1e-12).contains(jet.gradient[axis]))
+              << name_of(kind) << " seed " << seed << " axis " << axis;
+        }
       }
     }
   }
