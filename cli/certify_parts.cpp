@@ -70,8 +70,8 @@ class PartCertifier {
   /// `enough`: the share of the area from which on the mesh stays what it is.
   PartCertifier(const Part& part, const Fineness& fineness, double enough, Console& console)
       : part_(part), fineness_(fineness), console_(console) {
-    constexpr double kNeck =
-        1.0 / 64;  // of the thinnest radius: what necks and gaps are larger than
+    // What necks and gaps are larger than, as a part of the thinnest radius.
+    constexpr double kNeck = 1.0 / 64;
     // Where the tolerance is as large as what the surface consists of, cutting triangles makes many
     // more of them than a mesh has that is made to a part of the tolerance.
     constexpr double kHopeless = 0.7;
