@@ -51,7 +51,7 @@ double second_bound(const Term& term, const K& kernel, const P& primitive, const
   double bound = 0.0;
   const double factor[3] = {weight.bend, 2 * weight.slope, weight.w};
   for (int order = 0; order <= 2; ++order) {
-    bound += detail::product_bound(factor[order], near_bound(kernel, primitive, order, near));
+    bound += product_bound(factor[order], near_bound(kernel, primitive, order, near));
   }
   return bound;
 }

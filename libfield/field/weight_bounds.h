@@ -7,6 +7,7 @@
 #include <optional>
 
 #include "libfield/base/interval.h"
+#include "libfield/base/product_bound.h"
 #include "libfield/field/box_view.h"
 #include "libfield/primitive/uv_bends.h"
 #include "libfield/primitive/uv_gradient.h"
@@ -87,11 +88,6 @@ struct WeightBends {
 
 namespace detail {
 
-/// As a * b, but 0 where one of them is.
-inline double product_bound(double a, double b) {
-  return a == 0 || b == 0 ? 0.0 : a * b * (1 + 1e-14);
-}
-
 inline double magnitude(const std::array<Interval, 3>& v) {
   return norm(Vec3d{v[0].magnitude(), v[1].magnitude(), v[2].magnitude()}) * (1 + 1e-14);
 }
@@ -100,7 +96,6 @@ inline double magnitude(const std::array<Interval, 3>& v) {
 
 template <class P>
 WeightBends weight_bends(const Term& term, const P& primitive, const LocalBox& local) {
-  using detail::product_bound;
   const P chart = chart_of(term, primitive);
   const auto [u, v] = enclose_uv(chart, local.box);
   const UvGradientBound gradients = enclose_uv_gradient(chart, local.box);

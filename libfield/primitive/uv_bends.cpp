@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "libfield/primitive/uv_gradient.h"
+
 namespace cs2mesh {
 namespace {
 
@@ -24,10 +26,6 @@ UvBends where_smooth(const UvBends& bends, const UvIntervals& at) {
 /// Of an angle around an axis that is no nearer than `rho`.
 double bend_of_angle(double rho) {
   return rho > 0 ? 1 / (rho * rho) : std::numeric_limits<double>::infinity();
-}
-
-double ball_radius(const Aabb& box) {
-  return 0.5 * box.diagonal() * kSlack;
 }
 
 }  // namespace

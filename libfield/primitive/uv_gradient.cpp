@@ -30,11 +30,11 @@ double reciprocal(double k, double rho) {
   return rho > 0 ? kSlack * k / rho : std::numeric_limits<double>::infinity();
 }
 
+}  // namespace
+
 double ball_radius(const Aabb& box) {
   return 0.5 * box.diagonal() * kSlack;
 }
-
-}  // namespace
 
 UvGradientBound enclose_uv_gradient(const Point& point, const Aabb& box) {
   const Vec3d d = box.center() - point.position;

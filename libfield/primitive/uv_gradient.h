@@ -16,6 +16,9 @@ struct UvGradientBound {
   bool seam_u = false, seam_v = false;
 };
 
+/// Of the ball around a box, rounded up.
+double ball_radius(const Aabb& box);
+
 UvGradientBound enclose_uv_gradient(const Point& point, const Aabb& box);
 UvGradientBound enclose_uv_gradient(const Segment& segment, const Aabb& box);
 UvGradientBound enclose_uv_gradient(const Arc& arc, const Aabb& box);

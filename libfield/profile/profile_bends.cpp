@@ -4,6 +4,7 @@
 #include <limits>
 #include <numbers>
 
+#include "libfield/base/product_bound.h"
 #include "libfield/profile/cone_weight.h"
 #include "libfield/profile/profile_slopes.h"
 
@@ -44,10 +45,6 @@ double bend(ProfileFunction function, const Interval& x) {
   }
 }
 
-double product(double a, double b) {
-  return a == 0 || b == 0 ? 0.0 : a * b * (1 + 1e-14);
-}
-
 }  // namespace
 
 ProfileBends bound_bends(const StrengthProfile& profile, const Interval& u, const Interval& v) {
@@ -74,9 +71,9 @@ ProfileBends bound_bends(const StrengthProfile& profile, const Interval& u, cons
       profile.along_v == ProfileFunction::one ? 0.0 : enclose_slopes(along_v, u, v).dv.magnitude();
   const double su = profile.scale_u, sv = profile.scale_v;
   // fu, fv, du and dv each have `times` in them already.
-  return {product(product(su * su, bend(profile.along_u, x)), fv),
-          times > 0 ? product(du, dv) / times : 0.0,
-          product(product(sv * sv, bend(profile.along_v, y)), fu)};
+  return {product_bound(product_bound(su * su, bend(profile.along_u, x)), fv),
+          times > 0 ? product_bound(du, dv) / times : 0.0,
+          product_bound(product_bound(sv * sv, bend(profile.along_v, y)), fu)};
 }
 
 }  // namespace cs2mesh
